@@ -57,9 +57,7 @@ class Builder {
         spline_(Lumisphere(incident.side)),
         out_(std::make_shared<InteractionTerms>()),
         codes_(out_->codes),
-        light_metric_(Eigen::MatrixXd::Zero(incident.bins, incident.bins)) {
-    out_->side = incident.side;
-  }
+        light_metric_(Eigen::MatrixXd::Zero(incident.bins, incident.bins)) {}
 
   std::shared_ptr<const InteractionTerms> build() {
     const std::vector<TexelGroup> groups = group_texels(scene_, atlas_, options_.texel_m);
@@ -154,13 +152,14 @@ class Builder {
     return most;
   }
 
-  /// Of each BTF: as many as the table has room for beside the clusters of the light and the other materials.
+  /// Of each BTF: as many as the table has room for beside the clusters of the light and the other materials, which
+  /// are all that is there before BTFs are compressed.
   int clusters_of_btf(const InteractionCounts& counts) const {
     const std::size_t pair = static_cast<std::size_t>(incident_.side * incident_.side) * kTableBytes *
                              static_cast<std::size_t>((1 + counts.light_components) * material_terms(counts));
     const std::size_t most = options_.most_bytes / pair / static_cast<std::size_t>(std::max(counts.light_clusters, 1));
     const int room = static_cast<int>(std::clamp<std::size_t>(most, 1, kMostMaterialClusters));
-    return std::max((room - static_cast<int>(uniform_clusters_)) / std::max(static_cast<int>(btfs_.size()), 1), 1);
+    return std::max((room - static_cast<int>(out_->materials.size())) / std::max(static_cast<int>(btfs_.size()), 1), 1);
   }
 
   InteractionCounts best_counts() const {
@@ -231,7 +230,6 @@ class Builder {
         light_metric_ += share * r.transpose() * area.asDiagonal() * r;
       }
     out_->materials.push_back(std::move(cluster));
-    ++uniform_clusters_;
   }
 
   /// Adds what a BTF's texels see of light: sum over views of area * L^T E[F F^T] L, with its factors F and the light L
@@ -382,7 +380,6 @@ class Builder {
   Eigen::MatrixXd light_metric_;   ///< [bin][bin] squared outgoing light of light, mean over materials, any unit
   Eigen::MatrixXf out_of_metric_;  ///< from its compressed form to light
   LocalPcaFit light_;
-  std::size_t uniform_clusters_ = 0;
 };
 
 }  // namespace

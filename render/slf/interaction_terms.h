@@ -35,15 +35,14 @@ struct InteractionCodes {
 /// What one cluster of a material makes of light: a linear map for each term.
 struct MaterialCluster {
   Eigen::Index terms() const { return btf ? factors.cols() : static_cast<Eigen::Index>(responses.size()); }
-  std::shared_ptr<const BtfResponse> btf;
-  Eigen::MatrixXf factors;               ///< of a BTF: [(view, factor), 3 channels][term]
-  std::vector<LightResponse> responses;  ///< of others: [term]
+  std::shared_ptr<const BtfResponse> btf;  ///< may outlive its Btf: only light and views are read
+  Eigen::MatrixXf factors;                 ///< of a BTF: [(view, factor), 3 channels][term]
+  std::vector<LightResponse> responses;    ///< of others: [term]
 };
 
 /// Arriving light and materials, both by local PCA in the materials' frames. Source: seed 001, 10.1 (its second way).
 struct InteractionTerms {
   InteractionCodes codes;
-  int side = 0;           ///< of the lumispheres
   Eigen::MatrixXf light;  ///< [3 bin + channel][light cluster * light_terms + term]
   std::vector<MaterialCluster> materials;
 };

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kFormat = 1;
+constexpr int kJournalFormat = 1;
 
 [[noreturn]] void fail(const std::string& file) {
   throw Error(file, std::string("the journal cannot be written (") + std::strerror(errno) + ")",
@@ -98,7 +98,7 @@ std::optional<JournalContents> read_journal(const std::string& file) {
       if (end == std::string::npos) throw std::runtime_error("written in part");
       const Json record = record_of(line);
       if (!contents) {
-        if (record.at("maquette_journal") != kFormat) return std::nullopt;
+        if (record.at("maquette_journal") != kJournalFormat) return std::nullopt;
         contents = JournalContents{History(record.at("document")), record.at("saved"), {}, 0, false};
         continue;
       }
@@ -146,7 +146,7 @@ Journal::~Journal() {
 void Journal::begin(const History& history, const std::string& saved_hash) {
   Json first;
   const std::vector<Json> records = history.records(&first);
-  std::string text = line_of({{"maquette_journal", kFormat}, {"saved", saved_hash}, {"document", first}});
+  std::string text = line_of({{"maquette_journal", kJournalFormat}, {"saved", saved_hash}, {"document", first}});
   for (const Json& record : records) text += line_of(record);
   const std::string beside = file_ + ".new";
   const int next = ::open(beside.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);

@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-constexpr int kFormat = 1;
+constexpr int kPathFormat = 1;
 constexpr double kLongest_s = 86400.0;
 const std::vector<std::string> kEases = {"linear", "in", "out", "smooth"};
 
@@ -82,7 +82,7 @@ CameraPath load_path(const std::string& file) {
     throw Error(file, std::string("it is no JSON: ") + problem.what(), "export it again");
   }
   JsonReader reader(json, file + ": ");
-  if (reader.count("maquette_path", 1, 1000000) > kFormat)
+  if (reader.count("maquette_path", 1, 1000000) > kPathFormat)
     throw Error(file, "it is of a newer version of the program", "update the program");
   CameraPath path = path_from_json(reader.member("path"), reader.where("path"));
   reader.finish();
@@ -91,7 +91,7 @@ CameraPath load_path(const std::string& file) {
 }
 
 void save_path(const std::string& file, const CameraPath& path) {
-  const std::string text = Json{{"maquette_path", kFormat}, {"path", path_json(path)}}.dump(1) + "\n";
+  const std::string text = Json{{"maquette_path", kPathFormat}, {"path", path_json(path)}}.dump(1) + "\n";
   write_file_atomically(file, std::as_bytes(std::span(text.data(), text.size())));
 }
 

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kFormat = 1;
+constexpr int kReviewFormat = 1;
 constexpr const char* kExtension = ".maquette.json";
 
 std::string same(const std::string& source) { return source; }
@@ -162,7 +162,7 @@ Review review_from_document(const Json& document, const std::string& where) {
 std::string review_text(const Review& review, const std::string& file, const std::vector<ReviewBake>& bakes) {
   const std::string folder = folder_of(file);
   Json json = document_json(review, [&](const std::string& source) { return relative_source(source, folder); });
-  json["maquette_review"] = kFormat;
+  json["maquette_review"] = kReviewFormat;
   json["program"] = MAQUETTE_VERSION;
   json["files"] = Json::object();
   for (const std::string& source : review_sources(review))
@@ -174,7 +174,7 @@ std::string review_text(const Review& review, const std::string& file, const std
 Review parse_review(const std::string& text, const std::string& file, std::vector<ReviewBake>* bakes) {
   const Json json = parse_json(text, file);
   JsonReader reader(json, file + ": ");
-  if (reader.count("maquette_review", 1, 1000000) > kFormat)
+  if (reader.count("maquette_review", 1, 1000000) > kReviewFormat)
     throw Error(file, "it is of a newer version of the program", "update the program");
   reader.text("program");
   reader.object("files");

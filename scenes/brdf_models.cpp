@@ -1,19 +1,19 @@
 #include "scenes/brdf_models.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numbers>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kHalfPi = 0.5 * kPi;
+constexpr double kHalfPi = 0.5 * std::numbers::pi;
 /// Lower limit of the cosines in the masking terms: the tabulated lobe of a mirror grows like 1 / cos^2 towards the
 /// horizon, where linear interpolation between bins of one degree would reflect more than the incident energy.
 constexpr double kLeastCosine = 0.035;
@@ -23,7 +23,7 @@ double square(double x) { return x * x; }
 
 double ggx(double tan_squared, double alpha) {
   const double a2 = alpha * alpha;
-  return a2 * square(1.0 + tan_squared) / (kPi * square(a2 + tan_squared));
+  return a2 * square(1.0 + tan_squared) / (std::numbers::pi * square(a2 + tan_squared));
 }
 
 /// Anisotropic GGX averaged over the azimuth of the brushing. Source: Heitz 2014, Eq. 85.
@@ -33,7 +33,7 @@ double brushed_ggx(double tan_squared, double along, double across) {
   for (int i = 0; i < kAngles; ++i) {
     const double phi = kHalfPi * (i + 0.5) / kAngles;
     const double e = tan_squared * (square(std::cos(phi) / along) + square(std::sin(phi) / across));
-    sum += square(1.0 + tan_squared) / (kPi * along * across * square(1.0 + e));
+    sum += square(1.0 + tan_squared) / (std::numbers::pi * along * across * square(1.0 + e));
   }
   return sum / kAngles;
 }
@@ -90,7 +90,7 @@ struct Prepared {
     double covered = 0.0;
     for (const FacetLobe& lobe : m.flakes) covered += lobe.weight;
     const double open = 1.0 - std::min(covered, 1.0) * (1.0 - m.flake_transmission);
-    diffuse = glm::vec3(m.diffuse * open / (kPi * n * n * (1.0 - m.diffuse * internal)));
+    diffuse = glm::vec3(m.diffuse * open / (std::numbers::pi * n * n * (1.0 - m.diffuse * internal)));
     for (std::size_t i = 0; i < m.flake_reflectance.size(); ++i) reflectance.values[i] = m.flake_reflectance[i];
     const double longest = coated ? 1.0 / std::sqrt(1.0 - inverse * inverse) : 4.0;
     longest_path = static_cast<float>(longest);
@@ -118,7 +118,7 @@ HalfAngle make_half_angle(const LayeredModel& model, double theta_h) {
   }
   if (model.coat_index > 0.0) h.coat = ggx(tan_squared, model.coat_alpha) * model.coat_share;
   const double exponent = 1.0 / model.sheen_roughness;
-  h.sheen = (2.0 + exponent) * std::pow(h.sine, exponent) / (2.0 * kPi);
+  h.sheen = (2.0 + exponent) * std::pow(h.sine, exponent) / (2.0 * std::numbers::pi);
   return h;
 }
 
@@ -157,7 +157,8 @@ void add_flakes(const Prepared& p, const HalfAngle& h, double cos_d, const Lanes
     if (brushed) {
       shape += static_cast<float>(h.brushed[l]) * masked;
     } else {
-      shape += a2 / static_cast<float>(kPi) * ((1.0f + tan_squared) / (a2 + tan_squared)).square() * masked;
+      shape +=
+          a2 / static_cast<float>(std::numbers::pi) * ((1.0f + tan_squared) / (a2 + tan_squared)).square() * masked;
     }
   }
   const Lanes path = (0.5f * (in_i.inverse() + in_o.inverse()) - 1.0f) / (p.longest_path - 1.0f);
@@ -242,7 +243,7 @@ FresnelCurve thin_film_curve(const ThinFilm& film) {
     glm::dvec3 xyz(0.0);
     for (int w = 0; w < kWavelengths; ++w) {
       const double lambda = kFirst + w * kStep;
-      const double phase = 4.0 * kPi * film.film_index * film.thickness_nm * cos_film / lambda;
+      const double phase = 4.0 * std::numbers::pi * film.film_index * film.thickness_nm * cos_film / lambda;
       const double a = film.top_amplitude, b = film.bottom_amplitude, cos_phase = std::cos(phase);
       const double reflectance =
           (a * a + b * b + 2.0 * a * b * cos_phase) / (1.0 + a * a * b * b + 2.0 * a * b * cos_phase);
@@ -257,8 +258,8 @@ std::vector<glm::vec3> tabulate_model(const LayeredModel& model) {
   std::vector<glm::vec3> rgb(kBrdfEntryCount);
   const Prepared prepared(model);
   Lanes cos_phi;
-  for (int i = 0; i < kLanes; ++i) cos_phi[i] = static_cast<float>(std::cos((i + 0.5) / kPhiDCount * kPi));
-  tbb::parallel_for(0, kThetaHCount, [&](int bin) {
+  for (int i = 0; i < kLanes; ++i) cos_phi[i] = static_cast<float>(std::cos((i + 0.5) / kPhiDCount * std::numbers::pi));
+  parallel_for(0, kThetaHCount, [&](int bin) {
     const HalfAngle h = make_half_angle(model, square((bin + 0.5) / kThetaHCount) * kHalfPi);
     for (int d = 0; d < kThetaDCount; ++d) {
       const double theta_d = (d + 0.5) / kThetaDCount * kHalfPi;

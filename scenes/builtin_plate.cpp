@@ -13,7 +13,7 @@ namespace {
 
 /// White marble with grey-brown veins; tileable.
 TextureImage make_marble(int side) {
-  TextureImage image{"marble", side, side, {}};
+  TextureImage image{"marble", side, side, {}, {}};
   image.rgba.resize(static_cast<std::size_t>(side) * static_cast<std::size_t>(side) * 4);
   std::size_t at = 0;
   for (int y = 0; y < side; ++y) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "scenes/builtin.h"
@@ -59,7 +60,8 @@ Primitive make_turntable() {
   constexpr int kRings = 52, kAround = 160;
   constexpr double kRadius = 0.85, kThickness = 0.03;
   return make_grid(kRings + 1, kAround, [](double u, double v) {
-    const double rings = u * (kRings + 1), radius = kRadius * std::min(rings / kRings, 1.0), angle = 2.0 * kPi * v;
+    const double rings = u * (kRings + 1), radius = kRadius * std::min(rings / kRings, 1.0),
+                 angle = 2.0 * std::numbers::pi * v;
     return Vec3(radius * std::sin(angle), kFloor - kThickness * std::max(rings - kRings, 0.0),
                 radius * std::cos(angle));
   });

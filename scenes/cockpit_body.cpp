@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/angles.h"
 #include "scenes/cockpit.h"
@@ -36,7 +37,7 @@ Primitive scored(const Primitive& surface, const Field& line) {
 
 /// Angle about the front (rear) end of the car, 0 straight ahead (back), growing to the left flank; degrees.
 double heading_deg(const Vec3& p, bool front) {
-  return std::atan2(p.x, front ? p.z - 1.25 : -1.50 - p.z) * 180.0 / kPi;
+  return std::atan2(p.x, front ? p.z - 1.25 : -1.50 - p.z) * 180.0 / std::numbers::pi;
 }
 
 double head_lamp(const Vec3& p) {
@@ -175,7 +176,7 @@ void add_lamps(SceneBuilder* builder, const CockpitMaterials& m, const Primitive
         round_corners({{0.0, -0.01}, {0.012, -0.008}, {0.021, 0.012}, {0.024, 0.012}, {0.024, -0.02}}, 0.003, 2, false),
         24);
     const glm::dmat4 pose = translation(r * std::sin(a), y, 1.25 + r * std::cos(a)) *
-                            rotation(a * 180.0 / kPi * 0.4, {0, 1, 0}) * rotation(90.0, {1, 0, 0});
+                            rotation(a * 180.0 / std::numbers::pi * 0.4, {0, 1, 0}) * rotation(90.0, {1, 0, 0});
     add_pair(builder, "projector_" + std::to_string(i), transformed(flipped(bowl), pose), m.chrome);
     add_pair(builder, "projector_lens_" + std::to_string(i), transformed(make_sphere(0.013, 6), pose), m.mirror);
   }

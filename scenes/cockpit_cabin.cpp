@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/cockpit.h"
 #include "scenes/cockpit_surface.h"
@@ -104,7 +105,7 @@ void add_door_trim(SceneBuilder* builder, const CockpitMaterials& m) {
   // Decor blade with the light line under it, pull handle, window switches, loudspeaker.
   const auto blade = [](double u, double v) {
     return side_trim(mix(-0.60, 0.62, u), mix(0.672, 0.700, v)) -
-           Vec3(0.006 * std::sin(kPi * std::clamp(v, 0.0, 1.0)), 0, 0);
+           Vec3(0.006 * std::sin(std::numbers::pi * std::clamp(v, 0.0, 1.0)), 0, 0);
   };
   add_pair(builder, "door_decor", make_grid(44, 6, blade), m.decor);
   std::vector<Vec3> line;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/cockpit.h"
 #include "scenes/cockpit_surface.h"
@@ -78,13 +79,13 @@ SubdivisionCage mirrored_cage(const SubdivisionCage& left) {
 /// Superellipsoid with half axes `size`; an exponent below 1 fills the corners.
 Primitive make_pebble(const Vec3& size, double exponent, int n) {
   const auto power = [exponent](double c) { return std::copysign(std::pow(std::abs(c), exponent), c); };
-  return make_grid(2 * n, n,
-                   [=](double u, double v) {
-                     const double a = 2.0 * kPi * u, b = kPi * (v - 0.5), c = power(std::cos(b));
-                     return Vec3(size.x * c * power(std::sin(a)), size.y * power(std::sin(b)),
-                                 size.z * c * power(std::cos(a)));
-                   },
-                   {true, false, {1, 1}, false});
+  return make_grid(
+      2 * n, n,
+      [=](double u, double v) {
+        const double a = 2.0 * std::numbers::pi * u, b = std::numbers::pi * (v - 0.5), c = power(std::cos(b));
+        return Vec3(size.x * c * power(std::sin(a)), size.y * power(std::sin(b)), size.z * c * power(std::cos(a)));
+      },
+      {true, false, {1, 1}, false});
 }
 
 void add_exterior_mirror(SceneBuilder* builder, const CockpitMaterials& m) {
@@ -110,7 +111,7 @@ void add_exterior_mirror(SceneBuilder* builder, const CockpitMaterials& m) {
 void add_handle(SceneBuilder* builder, const CockpitMaterials& m) {
   std::vector<Vec3> path;
   for (int i = 0; i <= 8; ++i) {
-    const double z = mix(-0.575, -0.375, i / 8.0), bow = std::sin(kPi * i / 8.0);
+    const double z = mix(-0.575, -0.375, i / 8.0), bow = std::sin(std::numbers::pi * i / 8.0);
     path.push_back({flank_x(0.765, z) + 0.004 + 0.016 * std::sqrt(bow), 0.765, z});
   }
   Primitive bar;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/angles.h"
 #include "scenes/cockpit.h"
@@ -10,11 +11,11 @@ using namespace modelling;
 
 namespace {
 
-constexpr double kRimRadius_m = 0.176;
+constexpr double kSteeringRadius_m = 0.176;
 
 /// Angle a from the top, clockwise as the driver sees it; the bottom of the rim is flattened.
 Vec3 rim_centre(double a) {
-  const Vec3 p(kRimRadius_m * std::sin(a), kRimRadius_m * std::cos(a), 0.0);
+  const Vec3 p(kSteeringRadius_m * std::sin(a), kSteeringRadius_m * std::cos(a), 0.0);
   const double floor = -0.150;
   return {p.x, smooth_max(p.y, floor, 0.05), 0.0};
 }
@@ -23,14 +24,14 @@ Frame rim_frame(double a) {
   const Vec3 p = rim_centre(a), tangent = glm::normalize(rim_centre(a + 1e-4) - rim_centre(a - 1e-4));
   const Vec3 out = glm::normalize(glm::cross(tangent, Vec3(0, 0, -1)));
   // Thumb rests at ten to two.
-  const double thumb = std::exp(-std::pow((std::abs(std::remainder(a, 2.0 * kPi)) - 1.05) / 0.22, 2.0));
+  const double thumb = std::exp(-std::pow((std::abs(std::remainder(a, 2.0 * std::numbers::pi)) - 1.05) / 0.22, 2.0));
   return {p, out, Vec3(0, 0, 1), {1.0 + 0.16 * thumb, 1.0 + 0.10 * thumb}};
 }
 
 /// Seen from the driver: x right, y up, z towards the driver.
 Primitive make_rim() {
   std::vector<Frame> frames;
-  for (int i = 0; i < 128; ++i) frames.push_back(rim_frame(-2.0 * kPi * i / 128));
+  for (int i = 0; i < 128; ++i) frames.push_back(rim_frame(-2.0 * std::numbers::pi * i / 128));
   return sweep(frames, make_ellipse(0.0145, 0.0165, 20), true, true);
 }
 

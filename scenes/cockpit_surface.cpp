@@ -1,11 +1,11 @@
 #include "scenes/cockpit_surface.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/angles.h"
+#include "scenes/parallel.h"
 
 namespace maquette::builtin {
 
@@ -165,7 +165,7 @@ namespace {
 
 constexpr int kFrontTurn = 54, kMiddle = 104, kRearTurn = 46;
 constexpr int kStations = kFrontTurn + kMiddle + kRearTurn;
-constexpr int kRows = 71, kFineRows = 58;
+constexpr int kBodyRows = 71, kFineRows = 58;
 constexpr double kSpineFront_m = 1.25, kSpineRear_m = -1.50, kSpineHeight_m = 0.38;
 
 struct Ray {
@@ -176,17 +176,17 @@ struct Ray {
 /// Rays fan out from a spine within planes across the car; these planes are rotated at the ends of the spine.
 Ray skin_ray(int station, int row) {
   // Up to the cant rail in steps of about 2 cm, over the roof in steps of 4 cm.
-  const double elevation = row <= kFineRows
-                               ? radians(mix(-17.0, 58.0, static_cast<double>(row) / kFineRows))
-                               : radians(mix(58.0, 90.0, static_cast<double>(row - kFineRows) / (kRows - kFineRows)));
-  double heading = kPi / 2.0, z = 0.0;
+  const double elevation =
+      row <= kFineRows ? radians(mix(-17.0, 58.0, static_cast<double>(row) / kFineRows))
+                       : radians(mix(58.0, 90.0, static_cast<double>(row - kFineRows) / (kBodyRows - kFineRows)));
+  double heading = std::numbers::pi / 2.0, z = 0.0;
   if (station < kFrontTurn) {
-    heading = kPi / 2.0 * station / kFrontTurn;
+    heading = std::numbers::pi / 2.0 * station / kFrontTurn;
     z = kSpineFront_m;
   } else if (station <= kFrontTurn + kMiddle) {
     z = mix(kSpineFront_m, kSpineRear_m, static_cast<double>(station - kFrontTurn) / kMiddle);
   } else {
-    heading = kPi / 2.0 * (1.0 + static_cast<double>(station - kFrontTurn - kMiddle) / kRearTurn);
+    heading = std::numbers::pi / 2.0 * (1.0 + static_cast<double>(station - kFrontTurn - kMiddle) / kRearTurn);
     z = kSpineRear_m;
   }
   const double c = std::cos(elevation);
@@ -230,17 +230,17 @@ double distance_to_skin(const Ray& ray, double guess) {
 
 Primitive make_half_skin() {
   Primitive skin;
-  constexpr std::size_t kColumn = kRows + 1, kCount = (kStations + 1) * kColumn;
+  constexpr std::size_t kColumn = kBodyRows + 1, kCount = (kStations + 1) * kColumn;
   skin.positions.resize(kCount);
   skin.normals.resize(kCount);
   skin.uvs[0].resize(kCount);
-  tbb::parallel_for(0, kStations + 1, [&](int i) {
+  parallel_for(0, kStations + 1, [&](int i) {
     double r = 0.9;
-    for (int j = 0; j <= kRows; ++j) {
+    for (int j = 0; j <= kBodyRows; ++j) {
       const Ray ray = skin_ray(i, j);
       r = distance_to_skin(ray, r);
       Vec3 p = ray.origin + r * ray.direction;
-      if (i == 0 || i == kStations || j == kRows) p.x = 0.0;
+      if (i == 0 || i == kStations || j == kBodyRows) p.x = 0.0;
       Vec3 n = skin_normal(p);
       if (p.x == 0.0) n = glm::normalize(Vec3(0.0, n.y, n.z));
       const std::size_t at = static_cast<std::size_t>(i) * kColumn + static_cast<std::size_t>(j);
@@ -255,7 +255,7 @@ Primitive make_half_skin() {
     for (const std::size_t k : {a, b, c}) skin.indices.push_back(static_cast<std::uint32_t>(k));
   };
   for (std::size_t i = 0; i < static_cast<std::size_t>(kStations); ++i) {
-    for (std::size_t j = 0; j < static_cast<std::size_t>(kRows); ++j) {
+    for (std::size_t j = 0; j < static_cast<std::size_t>(kBodyRows); ++j) {
       const std::size_t a = i * kColumn + j, b = a + kColumn;
       add(a, b, b + 1);
       add(a, b + 1, a + 1);

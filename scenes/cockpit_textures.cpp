@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "scenes/modelling.h"
 
@@ -40,7 +41,7 @@ double digit_distance(const Vec2& p, const Vec2& centre, double size, int digit)
 }
 
 TextureImage paint_image(const char* name, int width, int height, const std::function<Vec3(const Vec2&)>& shade) {
-  TextureImage image{name, width, height, {}};
+  TextureImage image{name, width, height, {}, {}};
   image.rgba.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -59,17 +60,17 @@ void draw_gauge(Vec3* c, const Vec2& p, const Vec2& centre, double radius, doubl
   const Vec2 d = p - centre;
   const double r = glm::length(d);
   if (r > radius + 4.0) return;
-  double turn = (std::atan2(d.x, -d.y) + 2.0 * kPi / 3.0) / (4.0 * kPi / 3.0);
+  double turn = (std::atan2(d.x, -d.y) + 2.0 * std::numbers::pi / 3.0) / (4.0 * std::numbers::pi / 3.0);
   blend(c, {0.035, 0.045, 0.06}, cover(r - radius));
   blend(c, {0.35, 0.4, 0.45}, cover(std::abs(r - radius) - 1.0));
   if (turn >= 0.0 && turn <= 1.0) {
     blend(c, {0.14, 0.16, 0.19}, cover(std::abs(r - 0.88 * radius) - 4.0));
     if (turn < value) blend(c, accent, (0.35 + 0.65 * turn / value) * cover(std::abs(r - 0.88 * radius) - 4.0));
-    const double tick = std::abs(turn * 16.0 - std::round(turn * 16.0)) / 16.0 * r * 4.0 * kPi / 3.0;
+    const double tick = std::abs(turn * 16.0 - std::round(turn * 16.0)) / 16.0 * r * 4.0 * std::numbers::pi / 3.0;
     const bool major = static_cast<int>(std::lround(turn * 16.0)) % 2 == 0;
     blend(c, Vec3(0.9), cover(std::max(tick - (major ? 1.2 : 0.7), std::abs(r - 0.75 * radius) - (major ? 6.0 : 3.0))));
   }
-  const double angle = value * 4.0 * kPi / 3.0 - 2.0 * kPi / 3.0;
+  const double angle = value * 4.0 * std::numbers::pi / 3.0 - 2.0 * std::numbers::pi / 3.0;
   const Vec2 pointer(std::sin(angle), -std::cos(angle));
   blend(c, {1.0, 0.25, 0.15},
         cover(segment_distance(p, centre + 0.5 * radius * pointer, centre + 0.92 * radius * pointer) - 1.6));

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/cockpit.h"
 #include "scenes/cockpit_surface.h"
@@ -52,7 +53,7 @@ Primitive make_blade(double spread) {
   const int n = 7;
   for (int i = 0; i <= n; ++i) {
     const double t = static_cast<double>(i) / n, r = mix(0.035, kRimRadius_m - 0.014, t);
-    const double angle = spread * t, height = 0.070 + 0.026 * t * t - 0.012 * std::sin(kPi * t);
+    const double angle = spread * t, height = 0.070 + 0.026 * t * t - 0.012 * std::sin(std::numbers::pi * t);
     const Vec3 out(std::sin(angle), 0.0, std::cos(angle));
     const double width = mix(0.034, 0.019, smoother(0.0, 0.7, t)) + 0.012 * smoother(0.85, 1.0, t);
     frames.push_back({out * r + Vec3(0.0, height - 0.02, 0.0),
@@ -83,12 +84,12 @@ Primitive make_spokes() {
 /// Wheel housing: half a drum above the wheel and its inner disc.
 Primitive make_housing(double z) {
   const auto drum = [&](double u, double v) {
-    const double a = mix(-0.25, kPi + 0.25, u), r = kArchRadius_m + 0.012;
+    const double a = mix(-0.25, std::numbers::pi + 0.25, u), r = kArchRadius_m + 0.012;
     return Vec3(mix(0.48, 0.875, v), kWheelRadius_m + r * std::sin(a), z + r * std::cos(a));
   };
   Primitive housing = make_grid(40, 1, drum);
   const auto wall = [&](double u, double v) {
-    const double a = mix(-0.25, kPi + 0.25, u), r = v * (kArchRadius_m + 0.012);
+    const double a = mix(-0.25, std::numbers::pi + 0.25, u), r = v * (kArchRadius_m + 0.012);
     return Vec3(0.48, kWheelRadius_m + r * std::sin(a), z + r * std::cos(a));
   };
   append(&housing, make_grid(40, 1, wall));

@@ -1,7 +1,5 @@
 #include "scenes/environment.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <charconv>
@@ -15,11 +13,11 @@
 #include "scenes/files.h"
 #include "scenes/image_color.h"
 #include "scenes/image_rows.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kMaxWidth = 8192;
 constexpr int kMaxHeight = 4096;
 /// Larger values are treated as invalid: the sun has 1.6e9 cd/m2, and squares must stay finite in float.
@@ -57,12 +55,12 @@ class RowReducer {
   void add(int first_row, int row_count, const float* values) {
     const auto row_floats = static_cast<std::size_t>(info_.width) * static_cast<std::size_t>(info_.channels);
     if (!reduces()) {
-      tbb::parallel_for(0, row_count,
-                        [&](int r) { copy_row(first_row + r, values + static_cast<std::size_t>(r) * row_floats); });
+      parallel_for(0, row_count,
+                   [&](int r) { copy_row(first_row + r, values + static_cast<std::size_t>(r) * row_floats); });
       return;
     }
     std::vector<glm::dvec4> narrow(static_cast<std::size_t>(row_count) * static_cast<std::size_t>(width_));
-    tbb::parallel_for(0, row_count, [&](int r) {
+    parallel_for(0, row_count, [&](int r) {
       narrow_row(values + static_cast<std::size_t>(r) * row_floats,
                  &narrow[static_cast<std::size_t>(r) * static_cast<std::size_t>(width_)]);
     });
@@ -171,7 +169,7 @@ glm::vec3 mean_of_valid_neighbours(const Environment& environment, int x, int y)
 
 void repair_texels(Environment& environment) {
   std::vector<std::vector<std::pair<std::size_t, glm::vec3>>> repairs(static_cast<std::size_t>(environment.height));
-  tbb::parallel_for(0, environment.height, [&](int y) {
+  parallel_for(0, environment.height, [&](int y) {
     for (int x = 0; x < environment.width; ++x) {
       const std::size_t i = texel_index(environment, x, y);
       if (!is_valid(environment.rgb[i]))
@@ -241,15 +239,16 @@ Environment load_environment(const std::string& source) {
 }
 
 glm::dvec3 direction_from_latlong(double x, double y, int width, int height) {
-  const double lon = kPi - 2.0 * kPi * x / width;
-  const double lat = kPi / 2.0 - kPi * y / height;
+  const double lon = std::numbers::pi - 2.0 * std::numbers::pi * x / width;
+  const double lat = std::numbers::pi / 2.0 - std::numbers::pi * y / height;
   return {std::sin(lon) * std::cos(lat), std::sin(lat), std::cos(lon) * std::cos(lat)};
 }
 
 glm::dvec2 latlong_from_direction(const glm::dvec3& direction, int width, int height) {
   const double lon = std::atan2(direction.x, direction.z);
   const double lat = std::atan2(direction.y, std::hypot(direction.x, direction.z));
-  return {(kPi - lon) / (2.0 * kPi) * width, (kPi / 2.0 - lat) / kPi * height};
+  return {(std::numbers::pi - lon) / (2.0 * std::numbers::pi) * width,
+          (std::numbers::pi / 2.0 - lat) / std::numbers::pi * height};
 }
 
 glm::dvec3 evaluate_environment(const Environment& environment, const glm::dvec3& direction) {

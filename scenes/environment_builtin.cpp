@@ -1,7 +1,5 @@
 #include "scenes/environment_builtin.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,12 +7,12 @@
 
 #include "scenes/angles.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr int kWidth = 1024;
+constexpr int kBuiltinWidth = 1024;
 constexpr int kHeight = 512;
 
 double smoothstep(double a, double b, double x) {
@@ -67,7 +65,7 @@ struct PreethamSky {
          {-0.0193 * t - 0.2592, -0.0665 * t + 0.0008, -0.0004 * t + 0.2125, -0.0641 * t - 0.8989, -0.0033 * t + 0.0452},
          {-0.0167 * t - 0.2608, -0.0950 * t + 0.0092, -0.0079 * t + 0.2102, -0.0441 * t - 1.6537,
           -0.0109 * t + 0.0529}}};
-    const double chi = (4.0 / 9.0 - t / 120.0) * (kPi - 2.0 * theta_s);
+    const double chi = (4.0 / 9.0 - t / 120.0) * (std::numbers::pi - 2.0 * theta_s);
     const double s = theta_s, s2 = s * s, s3 = s2 * s;
     std::array<double, 3> zenith{};
     zenith[0] = 1000.0 * ((4.0453 * t - 4.9710) * std::tan(chi) - 0.2155 * t + 2.4192);
@@ -96,7 +94,7 @@ double sun_illuminance_lx(double elevation_deg) {
 
 /// Mean radiance of the disc over its true solid angle, slightly warm, cd/m2.
 glm::dvec3 sun_radiance(double elevation_deg) {
-  const double solid_angle = 2.0 * kPi * (1.0 - std::cos(radians(kSunDiameterDeg / 2.0)));
+  const double solid_angle = 2.0 * std::numbers::pi * (1.0 - std::cos(radians(kSunDiameterDeg / 2.0)));
   const glm::dvec3 tint(1.10, 0.985, 0.85);
   return tint * (sun_illuminance_lx(elevation_deg) / solid_angle / luminance(tint));
 }
@@ -104,19 +102,20 @@ glm::dvec3 sun_radiance(double elevation_deg) {
 /// Share of the texel's solid angle inside the sun's disc.
 double sun_coverage(const glm::dvec3& sun, int x, int y) {
   const double radius = radians(kSunDiameterDeg / 2.0);
-  const glm::dvec3 centre = direction_from_latlong(x + 0.5, y + 0.5, kWidth, kHeight);
-  if (glm::dot(centre, sun) < std::cos(radius + 1.5 * kPi / kHeight)) return 0.0;
+  const glm::dvec3 centre = direction_from_latlong(x + 0.5, y + 0.5, kBuiltinWidth, kHeight);
+  if (glm::dot(centre, sun) < std::cos(radius + 1.5 * std::numbers::pi / kHeight)) return 0.0;
   int inside = 0;
   for (int i = 0; i < kSunSupersamples * kSunSupersamples; ++i) {
     const double sx = x + (i % kSunSupersamples + 0.5) / kSunSupersamples;
     const double sy = y + (i / kSunSupersamples + 0.5) / kSunSupersamples;
-    inside += glm::dot(direction_from_latlong(sx, sy, kWidth, kHeight), sun) > std::cos(radius);
+    inside += glm::dot(direction_from_latlong(sx, sy, kBuiltinWidth, kHeight), sun) > std::cos(radius);
   }
   return static_cast<double>(inside) / (kSunSupersamples * kSunSupersamples);
 }
 
 double texel_solid_angle(int y) {
-  return 2.0 * kPi / kWidth * (std::cos(kPi * y / kHeight) - std::cos(kPi * (y + 1) / kHeight));
+  return 2.0 * std::numbers::pi / kBuiltinWidth *
+         (std::cos(std::numbers::pi * y / kHeight) - std::cos(std::numbers::pi * (y + 1) / kHeight));
 }
 
 /// Height of a distant ridge above the horizon in radians: a sum of a few sines, so that it is deterministic and
@@ -199,20 +198,21 @@ template <class Radiance>
 Environment rasterise(const Radiance& radiance) {
   constexpr int kSide = 4;
   Environment environment;
-  environment.width = kWidth;
+  environment.width = kBuiltinWidth;
   environment.height = kHeight;
-  environment.rgb.resize(static_cast<std::size_t>(kWidth) * kHeight);
+  environment.rgb.resize(static_cast<std::size_t>(kBuiltinWidth) * kHeight);
   const auto index = [](int x, int y) {
-    return static_cast<std::size_t>(std::clamp(y, 0, kHeight - 1)) * kWidth +
-           static_cast<std::size_t>((x + kWidth) % kWidth);
+    return static_cast<std::size_t>(std::clamp(y, 0, kHeight - 1)) * kBuiltinWidth +
+           static_cast<std::size_t>((x + kBuiltinWidth) % kBuiltinWidth);
   };
-  tbb::parallel_for(0, kHeight, [&](int y) {
-    for (int x = 0; x < kWidth; ++x)
-      environment.rgb[index(x, y)] = glm::vec3(radiance(direction_from_latlong(x + 0.5, y + 0.5, kWidth, kHeight)));
+  parallel_for(0, kHeight, [&](int y) {
+    for (int x = 0; x < kBuiltinWidth; ++x)
+      environment.rgb[index(x, y)] =
+          glm::vec3(radiance(direction_from_latlong(x + 0.5, y + 0.5, kBuiltinWidth, kHeight)));
   });
   const std::vector<glm::vec3> centres = environment.rgb;
-  tbb::parallel_for(0, kHeight, [&](int y) {
-    for (int x = 0; x < kWidth; ++x) {
+  parallel_for(0, kHeight, [&](int y) {
+    for (int x = 0; x < kBuiltinWidth; ++x) {
       const float here = centres[index(x, y)].y;
       const bool smooth = std::ranges::all_of(
           std::array{index(x - 1, y), index(x + 1, y), index(x, y - 1), index(x, y + 1)},
@@ -221,7 +221,7 @@ Environment rasterise(const Radiance& radiance) {
       glm::dvec3 sum(0.0);
       for (int i = 0; i < kSide * kSide; ++i) {
         const glm::dvec2 offset((i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide);
-        sum += radiance(direction_from_latlong(x + offset.x, y + offset.y, kWidth, kHeight));
+        sum += radiance(direction_from_latlong(x + offset.x, y + offset.y, kBuiltinWidth, kHeight));
       }
       environment.rgb[index(x, y)] = glm::vec3(sum / static_cast<double>(kSide * kSide));
     }
@@ -233,8 +233,8 @@ Environment rasterise(const Radiance& radiance) {
 glm::dvec3 sky_irradiance(const PreethamSky& sky) {
   glm::dvec3 sum(0.0);
   for (int y = 0; y < kHeight / 2; y += 4) {
-    for (int x = 0; x < kWidth; x += 8) {
-      const glm::dvec3 d = direction_from_latlong(x + 4.0, y + 2.0, kWidth, kHeight);
+    for (int x = 0; x < kBuiltinWidth; x += 8) {
+      const glm::dvec3 d = direction_from_latlong(x + 4.0, y + 2.0, kBuiltinWidth, kHeight);
       for (int k = 0; k < 4; ++k) sum += sky.radiance(d) * d.y * texel_solid_angle(y + k) * 8.0;
     }
   }
@@ -246,8 +246,8 @@ glm::dvec3 sky_irradiance(const PreethamSky& sky) {
 Environment make_clear_sky(double sun_elevation_deg) {
   const PreethamSky sky(sun_elevation_deg);
   const glm::dvec3 sun = sun_radiance(sun_elevation_deg);
-  const double solid_angle = 2.0 * kPi * (1.0 - std::cos(radians(kSunDiameterDeg / 2.0)));
-  const glm::dvec3 ground = kGroundAlbedo / kPi * (sky_irradiance(sky) + sun * solid_angle * sky.sun.y);
+  const double solid_angle = 2.0 * std::numbers::pi * (1.0 - std::cos(radians(kSunDiameterDeg / 2.0)));
+  const glm::dvec3 ground = kGroundAlbedo / std::numbers::pi * (sky_irradiance(sky) + sun * solid_angle * sky.sun.y);
   const glm::dvec3 ridge = 0.28 * ground * glm::dvec3(0.72, 0.95, 0.85);
   Environment environment = rasterise([&](const glm::dvec3& d) {
     const double elevation = std::asin(std::clamp(d.y, -1.0, 1.0));
@@ -255,7 +255,7 @@ Environment make_clear_sky(double sun_elevation_deg) {
         elevation > radians(-20.0) ? sky.radiance(glm::normalize(glm::dvec3(d.x, 0.035, d.z))) : glm::dvec3(0.0);
     // Aerial perspective: distant objects take the colour of the horizon. Edges fade over two texels: otherwise a long
     // lens would show the grid as stairs along the ridge.
-    constexpr double kFade_rad = 1.0 * kPi / kHeight;
+    constexpr double kFade_rad = 1.0 * std::numbers::pi / kHeight;
     const glm::dvec3 plain = glm::mix(ground, haze, 0.45 * std::exp(std::min(elevation, 0.0) / radians(2.5)));
     const glm::dvec3 land = glm::mix(plain, glm::mix(ridge, haze, 0.5), smoothstep(-kFade_rad, kFade_rad, elevation));
     const double edge = ridge_rad(std::atan2(d.x, d.z));
@@ -266,13 +266,13 @@ Environment make_clear_sky(double sun_elevation_deg) {
   // Normalised so that the grid has exactly the disc's energy, whatever the rounding of its coverage.
   double covered = 0.0;
   std::vector<std::pair<std::size_t, double>> texels;
-  const int sun_row = static_cast<int>(latlong_from_direction(sky.sun, kWidth, kHeight).y);
+  const int sun_row = static_cast<int>(latlong_from_direction(sky.sun, kBuiltinWidth, kHeight).y);
   for (int y = std::max(0, sun_row - 3); y <= sun_row + 3; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+    for (int x = 0; x < kBuiltinWidth; ++x) {
       const double coverage = sun_coverage(sky.sun, x, y);
       if (coverage == 0.0) continue;
       covered += coverage * texel_solid_angle(y);
-      texels.emplace_back(static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x), coverage);
+      texels.emplace_back(static_cast<std::size_t>(y) * kBuiltinWidth + static_cast<std::size_t>(x), coverage);
     }
   }
   for (const auto& [i, coverage] : texels) environment.rgb[i] += glm::vec3(sun * (coverage * solid_angle / covered));

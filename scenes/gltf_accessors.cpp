@@ -7,7 +7,6 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "the file is damaged; export it again";
 /// Limit for accessors without a buffer view: they consist of zeros, so that a small file could request any size.
 constexpr std::size_t kMaxZeroElements = std::size_t{1} << 24;
 
@@ -52,7 +51,7 @@ Strided locate_elements(const Document& document, const std::string& where, std:
     throw Error(where,
                 "elements of " + std::to_string(element_bytes) + " bytes overlap in " + element("bufferViews", view) +
                     " with byteStride " + std::to_string(out.stride),
-                kRemedy);
+                kDamaged);
   out.count = count;
   const bool fits = count == 0 || (byte_offset <= bytes.size() && element_bytes <= bytes.size() - byte_offset &&
                                    (count - 1) <= (bytes.size() - byte_offset - element_bytes) / out.stride);
@@ -60,7 +59,7 @@ Strided locate_elements(const Document& document, const std::string& where, std:
     throw Error(where,
                 std::to_string(count) + " elements from byte " + std::to_string(byte_offset) + " do not fit in " +
                     element("bufferViews", view) + " of " + std::to_string(bytes.size()) + " bytes",
-                kRemedy);
+                kDamaged);
   if (count > 0) out.data = bytes.data() + byte_offset;
   return out;
 }
@@ -70,19 +69,19 @@ Strided resolve(const Document& document, std::size_t index, int components) {
   const std::string where = name_of(document, index);
   const std::size_t size = component_bytes(accessor.componentType);
   if (size == 0)
-    throw Error(where, "componentType " + std::to_string(accessor.componentType) + " is not one of glTF's", kRemedy);
+    throw Error(where, "componentType " + std::to_string(accessor.componentType) + " is not one of glTF's", kDamaged);
   const int found = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
   if (found != components)
     throw Error(where,
                 "has " + std::to_string(found) + " components an element, " + std::to_string(components) +
                     " are needed for its use",
-                kRemedy);
+                kDamaged);
   Strided out;
   if (accessor.bufferView >= 0) {
     out = locate_elements(document, where, static_cast<std::size_t>(accessor.bufferView), accessor.byteOffset,
                           accessor.count, size * static_cast<std::size_t>(components));
   } else if (accessor.count > kMaxZeroElements) {
-    throw Error(where, "asks for " + std::to_string(accessor.count) + " elements without a bufferView", kRemedy);
+    throw Error(where, "asks for " + std::to_string(accessor.count) + " elements without a bufferView", kDamaged);
   }
   out.count = accessor.count;
   out.component_type = accessor.componentType;
@@ -146,7 +145,7 @@ std::vector<std::uint32_t> to_integers(const std::string& where, const Strided& 
                            source.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
                            source.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
   if (!is_unsigned)
-    throw Error(where, "componentType " + std::to_string(source.component_type) + " cannot hold indices", kRemedy);
+    throw Error(where, "componentType " + std::to_string(source.component_type) + " cannot hold indices", kDamaged);
   for (std::size_t i = 0; i < source.count && source.data != nullptr; ++i) {
     const std::byte* bytes = source.data + i * source.stride;
     out[i] = source.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? integer_at<std::uint8_t>(bytes)
@@ -168,7 +167,7 @@ void apply_sparse(const Document& document, std::size_t index, const Strided& de
   const auto count = json["count"].get<std::size_t>();
   const auto index_offset = json["indices"].value("byteOffset", std::size_t{0});
   const auto value_offset = json["values"].value("byteOffset", std::size_t{0});
-  if (index_bytes == 0) throw Error(where, "componentType of its indices is not one of glTF's", kRemedy);
+  if (index_bytes == 0) throw Error(where, "componentType of its indices is not one of glTF's", kDamaged);
   Strided places = locate_elements(document, where, static_cast<std::size_t>(sparse.indices.bufferView), index_offset,
                                    count, index_bytes);
   places.component_type = sparse.indices.componentType;
@@ -182,7 +181,7 @@ void apply_sparse(const Document& document, std::size_t index, const Strided& de
   for (std::size_t i = 0; i < targets.size(); ++i) {
     if (targets[i] >= dense.count)
       throw Error(where, "replaces element " + std::to_string(targets[i]) + " of " + std::to_string(dense.count),
-                  kRemedy);
+                  kDamaged);
     Strided one = values;
     one.data += i * values.stride;
     one.count = 1;
@@ -202,14 +201,14 @@ Bytes view_bytes(const Document& document, std::size_t view) {
   if (buffer.data() == nullptr && bounds.byteLength > 0)
     throw Error(at(document.path, element("buffers", index)),
                 document.root["buffers"][index].contains("uri") ? "is a fallback that is not read" : "has no uri",
-                kRemedy);
+                kDamaged);
   if (bounds.byteOffset > buffer.size() || bounds.byteLength > buffer.size() - bounds.byteOffset)
     throw Error(at(document.path, element("bufferViews", view)),
                 "bytes " + std::to_string(bounds.byteOffset) + " to " +
                     std::to_string(bounds.byteOffset + bounds.byteLength) + " are outside " +
                     element("buffers", static_cast<std::size_t>(bounds.buffer)) + " of " +
                     std::to_string(buffer.size()) + " bytes",
-                kRemedy);
+                kDamaged);
   return buffer.subspan(bounds.byteOffset, bounds.byteLength);
 }
 
@@ -242,7 +241,7 @@ template std::vector<glm::vec4> read_vectors<4>(const Document&, std::size_t, In
 std::vector<glm::mat4> read_matrices(const Document& document, std::size_t accessor) {
   if (document.model.accessors[accessor].type != TINYGLTF_TYPE_MAT4 ||
       document.model.accessors[accessor].componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
-    throw Error(name_of(document, accessor), "does not hold matrices of 4 x 4 floats", kRemedy);
+    throw Error(name_of(document, accessor), "does not hold matrices of 4 x 4 floats", kDamaged);
   const Strided dense = resolve(document, accessor, 16);
   std::vector<glm::mat4> out(dense.count, glm::mat4(0.0f));
   auto* floats = reinterpret_cast<float*>(out.data());

@@ -14,7 +14,7 @@ namespace {
 using Property = AnimatedNode::Property;
 using Interpolation = AnimationTrack::Interpolation;
 
-constexpr const char* kRemedy = "the animation is damaged; export it again";
+constexpr const char* kDamagedAnimation = "the animation is damaged; export it again";
 /// Keys of all animations of a file: sparse accessors ask for any number of them with few bytes.
 constexpr std::size_t kMostKeys = std::size_t{1} << 22;
 
@@ -27,13 +27,13 @@ std::string text_of(const Json& object, const char* key) {
 std::size_t index_of(const Json& object, const char* key, std::size_t size, const std::string& where) {
   if (!object.is_object() || !object.contains(key) || !object[key].is_number_unsigned() ||
       object[key].get<std::size_t>() >= size)
-    throw Error(where, std::string(key) + " is missing or no index of what the file has", kRemedy);
+    throw Error(where, std::string(key) + " is missing or no index of what the file has", kDamagedAnimation);
   return object[key].get<std::size_t>();
 }
 
 const Json& list_of(const Json& object, const char* key, const std::string& where) {
   if (!object.is_object() || !object.contains(key) || !object[key].is_array())
-    throw Error(where, std::string("it has no ") + key, kRemedy);
+    throw Error(where, std::string("it has no ") + key, kDamagedAnimation);
   return object[key];
 }
 
@@ -42,7 +42,8 @@ Interpolation interpolation_of(const Json& sampler, const std::string& where) {
   if (name.empty() || name == "LINEAR") return Interpolation::linear;
   if (name == "STEP") return Interpolation::step;
   if (name == "CUBICSPLINE") return Interpolation::cubic;
-  throw Error(where, "interpolation " + name_text(name) + " is not one of STEP, LINEAR, CUBICSPLINE", kRemedy);
+  throw Error(where, "interpolation " + name_text(name) + " is not one of STEP, LINEAR, CUBICSPLINE",
+              kDamagedAnimation);
 }
 
 class AnimationReader {
@@ -89,7 +90,8 @@ class AnimationReader {
     }
     static const std::vector<std::string> kPaths = {"translation", "rotation", "scale"};
     const auto property = std::ranges::find(kPaths, path);
-    if (property == kPaths.end()) throw Error(where, "its path " + name_text(path) + " is not known", kRemedy);
+    if (property == kPaths.end())
+      throw Error(where, "its path " + name_text(path) + " is not known", kDamagedAnimation);
     if (scene_nodes_[node] < 0) return;  // of another scene of the file
     if (!document_.model.nodes[node].matrix.empty()) {
       document_.warnings.add(named(node) + " has a matrix, which cannot be animated", element_);
@@ -98,7 +100,7 @@ class AnimationReader {
     AnimationTrack track = read_track(channel, property == kPaths.begin() + 1, where);
     AnimatedNode& moved = node_of(animation, node);
     AnimationTrack& kept = moved.tracks[static_cast<std::size_t>(property - kPaths.begin())];
-    if (!kept.times_s.empty()) throw Error(where, "it moves what another channel moves", kRemedy);
+    if (!kept.times_s.empty()) throw Error(where, "it moves what another channel moves", kDamagedAnimation);
     kept = std::move(track);
   }
 
@@ -124,17 +126,17 @@ class AnimationReader {
       throw Error(where,
                   "has " + std::to_string(track.values.size()) + " values for " + std::to_string(track.times_s.size()) +
                       " keys",
-                  kRemedy);
+                  kDamagedAnimation);
     document_.animation_keys += track.times_s.size();
     if (document_.animation_keys > kMostKeys)
-      throw Error(where, "brings the file to more than " + std::to_string(kMostKeys) + " keys", kRemedy);
+      throw Error(where, "brings the file to more than " + std::to_string(kMostKeys) + " keys", kDamagedAnimation);
     for (std::size_t i = 0; i < track.times_s.size(); ++i)
       if (!std::isfinite(track.times_s[i]) || track.times_s[i] < 0.0f ||
           (i > 0 && track.times_s[i] <= track.times_s[i - 1]))
-        throw Error(where, "its times do not increase from 0 on", kRemedy);
+        throw Error(where, "its times do not increase from 0 on", kDamagedAnimation);
     for (const glm::vec4& value : track.values)
       for (int c = 0; c < 4; ++c)
-        if (!std::isfinite(value[c])) throw Error(where, "has a value that is not finite", kRemedy);
+        if (!std::isfinite(value[c])) throw Error(where, "has a value that is not finite", kDamagedAnimation);
   }
 
   /// With the pose of the file.

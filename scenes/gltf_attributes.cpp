@@ -8,7 +8,6 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "the file is damaged; export it again";
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 /// Largest value of glTF's integer types; 0 for float.
@@ -43,7 +42,7 @@ std::vector<glm::vec<N, float>> to_vectors(const DracoAttribute& attribute, floa
     throw Error(
         where,
         "has " + std::to_string(attribute.components) + " components in its Draco data, expected " + std::to_string(N),
-        kRemedy);
+        kDamaged);
   std::vector<glm::vec<N, float>> out(attribute.values.size() / N);
   for (std::size_t i = 0; i < out.size(); ++i)
     for (int c = 0; c < N; ++c) {
@@ -114,7 +113,7 @@ void AttributeReader::add_targets(const char* name, std::vector<glm::vec<M, floa
       throw Error(
           where_ + "." + element("targets", t) + "." + name,
           "has " + std::to_string(differences.size()) + " values for " + std::to_string(values->size()) + " vertices",
-          kRemedy);
+          kDamaged);
     for (std::size_t i = 0; i < values->size(); ++i)
       for (int c = 0; c < N; ++c) (*values)[i][c] += weights[t] * differences[i][c];
   }

@@ -141,8 +141,6 @@ constexpr Rule kRules[] = {
     {"extensions.KHR_materials_variants.variants[].name", Kind::text, true},
 };
 
-constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
-
 /// Applies the rules to one document; `trail_` is the current position, formatted only for an error.
 class Checker {
  public:
@@ -166,7 +164,7 @@ class Checker {
       where.append(step.name);
       if (step.index >= 0) where.append("[").append(std::to_string(step.index)).append("]");
     }
-    throw Error(at(path_, where), what, kRemedy);
+    throw Error(at(path_, where), what, kInvalid);
   }
 
   void visit(const Json& parent, std::string_view rest, const Rule& rule) {
@@ -303,7 +301,7 @@ void check_nesting(const std::string& path, std::string_view text) {
       in_string = true;
     } else if (c == '{' || c == '[') {
       if (++depth > kMaxNesting)
-        throw Error(path, "JSON is nested deeper than " + std::to_string(kMaxNesting), kRemedy);
+        throw Error(path, "JSON is nested deeper than " + std::to_string(kMaxNesting), kInvalid);
     } else if (c == '}' || c == ']') {
       --depth;
     }

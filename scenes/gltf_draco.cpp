@@ -13,8 +13,6 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "the file is damaged; export it again";
-
 /// Largest value of an integer type; 0 for others.
 float largest_of(draco::DataType type) {
   switch (type) {
@@ -48,11 +46,11 @@ DracoAttribute read_attribute(const std::string& where, const draco::Mesh& mesh,
                               std::uint32_t id) {
   const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
   if (attribute == nullptr)
-    throw Error(where, "its Draco data has no attribute " + std::to_string(id) + " for " + name, kRemedy);
+    throw Error(where, "its Draco data has no attribute " + std::to_string(id) + " for " + name, kDamaged);
   DracoAttribute out;
   out.components = attribute->num_components();
   if (out.components < 1 || out.components > 4)
-    throw Error(where, name + " has " + std::to_string(out.components) + " components in its Draco data", kRemedy);
+    throw Error(where, name + " has " + std::to_string(out.components) + " components in its Draco data", kDamaged);
   const auto components = static_cast<std::size_t>(out.components);
   out.integer_max = largest_of(attribute->data_type());
   out.normalized = attribute->normalized();
@@ -63,13 +61,13 @@ DracoAttribute read_attribute(const std::string& where, const draco::Mesh& mesh,
   const std::size_t entry_count = attribute->size();
   for (std::size_t i = 0; i < count; ++i) {
     const draco::AttributeValueIndex entry = attribute->mapped_index(draco::PointIndex(static_cast<std::uint32_t>(i)));
-    if (entry.value() >= entry_count) throw Error(where, "its Draco data points outside " + name, kRemedy);
+    if (entry.value() >= entry_count) throw Error(where, "its Draco data points outside " + name, kDamaged);
     float* target = out.values.data() + i * components;
     if (plain) {
       std::memcpy(target, attribute->GetAddress(entry), components * sizeof(float));
     } else if (!(out.integer_max > 0.0f ? read_integers(*attribute, entry, components, target)
                                         : attribute->ConvertValue<float>(entry, target))) {
-      throw Error(where, "its Draco data has an unreadable " + name, kRemedy);
+      throw Error(where, "its Draco data has an unreadable " + name, kDamaged);
     }
   }
   return out;
@@ -84,7 +82,7 @@ DracoMesh convert(const std::string& where, const draco::Mesh& mesh,
     const draco::Mesh::Face& face = mesh.face(draco::FaceIndex(f));
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::uint32_t index = face[corner].value();
-      if (index >= out.vertex_count) throw Error(where, "its Draco data has a triangle out of range", kRemedy);
+      if (index >= out.vertex_count) throw Error(where, "its Draco data has a triangle out of range", kDamaged);
       out.indices[std::size_t{3} * f + corner] = index;
     }
   }
@@ -102,12 +100,12 @@ DracoMesh decode_draco(const std::string& where, std::span<const std::byte> byte
     draco::Decoder decoder;
     const auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
     if (!decoded.ok())
-      throw Error(where, std::string("its Draco data cannot be decoded: ") + decoded.status().error_msg(), kRemedy);
+      throw Error(where, std::string("its Draco data cannot be decoded: ") + decoded.status().error_msg(), kDamaged);
     return convert(where, *decoded.value(), attribute_ids);
   } catch (const std::bad_alloc&) {
-    throw Error(where, "its Draco data asks for more memory than there is", kRemedy);
+    throw Error(where, "its Draco data asks for more memory than there is", kDamaged);
   } catch (const std::length_error&) {
-    throw Error(where, "its Draco data asks for more memory than there is", kRemedy);
+    throw Error(where, "its Draco data asks for more memory than there is", kDamaged);
   }
 }
 

@@ -10,7 +10,7 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "see docs/formats.md for the members of extras.maquette";
+constexpr const char* kSeeFormats = "see docs/formats.md for the members of extras.maquette";
 
 /// Reads numbers that are given directly or by the index of an accessor.
 class ArrayReader {
@@ -52,7 +52,7 @@ class ArrayReader {
   }
 
   [[noreturn]] void fail(const char* key, const std::string& what) const {
-    throw Error(where_ + "." + key, what, kRemedy);
+    throw Error(where_ + "." + key, what, kSeeFormats);
   }
 
  private:
@@ -97,7 +97,7 @@ SubdivisionCage read_cage(const Document& document, const Json& json, const std:
 }
 
 void import_cage(const Document& document, const Json& json, const std::string& where, Mesh* mesh) {
-  if (!json.is_object()) throw Error(where, "expected an object", kRemedy);
+  if (!json.is_object()) throw Error(where, "expected an object", kSeeFormats);
   SubdivisionCage cage = read_cage(document, json, where);
   try {
     check_cage(cage);
@@ -128,23 +128,23 @@ void import_patches(const Document& document, Scene* scene) {
   if (extras == nullptr || !extras->contains("bezier_patches")) return;
   const std::string list = at(document.path, "extras.maquette.bezier_patches");
   const Json& patches = (*extras)["bezier_patches"];
-  if (!patches.is_array()) throw Error(list, "expected an array", kRemedy);
+  if (!patches.is_array()) throw Error(list, "expected an array", kSeeFormats);
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const std::string where = list + "[" + std::to_string(i) + "]";
-    if (!patches[i].is_object()) throw Error(where, "expected an object", kRemedy);
+    if (!patches[i].is_object()) throw Error(where, "expected an object", kSeeFormats);
     const std::vector<glm::vec3> points = ArrayReader(document, patches[i], where).vectors<3>("points");
     BezierPatch patch;
     if (points.size() != patch.points.size())
-      throw Error(where + ".points", "has " + std::to_string(points.size()) + " points, expected 16", kRemedy);
+      throw Error(where + ".points", "has " + std::to_string(points.size()) + " points, expected 16", kSeeFormats);
     for (const glm::vec3& p : points)
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-        throw Error(where + ".points", "are not finite", kRemedy);
+        throw Error(where + ".points", "are not finite", kSeeFormats);
     std::copy(points.begin(), points.end(), patch.points.begin());
     patch.name = read_text(patches[i], "name", where);
     patch.reflector = read_flag(patches[i], "reflector", true, where);
     if (patches[i].contains("material")) {
       const std::size_t material = read_natural(patches[i], "material", 0, where);
-      if (material >= scene->materials.size()) throw Error(where + ".material", "is out of range", kRemedy);
+      if (material >= scene->materials.size()) throw Error(where + ".material", "is out of range", kSeeFormats);
       patch.material = static_cast<int>(material);
     }
     scene->patches.push_back(patch);
@@ -159,7 +159,7 @@ void import_node_extras(const Json& json, const std::string& where, const Scene&
   node->visible = read_flag(*extras, "visible", true, extras_path);
   if (!extras->contains("bezier_patch")) return;
   const std::size_t patch = read_natural(*extras, "bezier_patch", 0, extras_path);
-  if (patch >= scene.patches.size()) throw Error(extras_path + ".bezier_patch", "is out of range", kRemedy);
+  if (patch >= scene.patches.size()) throw Error(extras_path + ".bezier_patch", "is out of range", kSeeFormats);
   node->patch = static_cast<int>(patch);
 }
 

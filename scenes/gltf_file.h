@@ -14,6 +14,10 @@ namespace maquette::gltf {
 using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
+/// What to do about a file whose data, or whose description of it, is wrong.
+inline constexpr const char* kDamaged = "the file is damaged; export it again";
+inline constexpr const char* kInvalid = "the file does not follow glTF 2.0; export it again";
+
 /// Collects warnings about unsupported features: one line per kind, naming the first element and the number of others.
 class Warnings {
  public:

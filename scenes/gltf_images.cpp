@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include <optional>
 #include <string_view>
@@ -6,6 +5,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/gltf_document.h"
+#include "scenes/parallel.h"
 #include "scenes/texture_formats.h"
 
 namespace maquette::gltf {
@@ -126,7 +126,7 @@ void import_images(Document* document, Scene* scene) {
   };
   // Images that only stand in for a WebP image are read when they have to.
   const auto waits = [&](std::size_t i) { return uses[i].fallback && !uses[i].preferred; };
-  tbb::parallel_for(std::size_t{0}, found->size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, found->size(), [&](std::size_t i) {
     if (!waits(i)) read(i);
   });
   if (const auto textures = document->root.find("textures"); textures != document->root.end())

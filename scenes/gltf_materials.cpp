@@ -10,7 +10,6 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
 constexpr std::size_t kNearestFilter = 9728, kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;
 
 /// Reads one material; keeps its position in the file for error messages.
@@ -38,7 +37,7 @@ class MaterialReader {
     static const Json kNone = Json::object();
     const auto found = object.find(key);
     if (found == object.end()) return kNone;
-    if (!found->is_object()) throw Error(where_ + "." + key, "expected an object", kRemedy);
+    if (!found->is_object()) throw Error(where_ + "." + key, "expected an object", kInvalid);
     return *found;
   }
   const Json& extension(const char* name) const {
@@ -78,7 +77,7 @@ class MaterialReader {
     const std::size_t count = document_.model.textures.size();
     if (found == info.end() || !found->is_number_unsigned() || found->get<std::size_t>() >= count)
       throw Error(where + ".index", "is missing or out of range (the file has " + std::to_string(count) + " textures)",
-                  kRemedy);
+                  kInvalid);
     return found->get<std::size_t>();
   }
 

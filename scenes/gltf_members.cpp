@@ -6,11 +6,9 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
-
 float checked_number(const Json& value, const std::string& where) {
   const bool usable = value.is_number() && std::isfinite(static_cast<float>(value.get<double>()));
-  if (!usable) throw Error(where, "expected a number", kRemedy);
+  if (!usable) throw Error(where, "expected a number", kInvalid);
   return static_cast<float>(value.get<double>());
 }
 
@@ -42,21 +40,21 @@ float read_number(const Json& object, const char* key, float fallback, const std
 std::size_t read_natural(const Json& object, const char* key, std::size_t fallback, const std::string& where) {
   const auto found = object.find(key);
   if (found == object.end()) return fallback;
-  if (!found->is_number_unsigned()) throw Error(where + "." + key, "expected a whole number", kRemedy);
+  if (!found->is_number_unsigned()) throw Error(where + "." + key, "expected a whole number", kInvalid);
   return found->get<std::size_t>();
 }
 
 bool read_flag(const Json& object, const char* key, bool fallback, const std::string& where) {
   const auto found = object.find(key);
   if (found == object.end()) return fallback;
-  if (!found->is_boolean()) throw Error(where + "." + key, "expected true or false", kRemedy);
+  if (!found->is_boolean()) throw Error(where + "." + key, "expected true or false", kInvalid);
   return found->get<bool>();
 }
 
 std::string read_text(const Json& object, const char* key, const std::string& where) {
   const auto found = object.find(key);
   if (found == object.end()) return {};
-  if (!found->is_string()) throw Error(where + "." + key, "expected text", kRemedy);
+  if (!found->is_string()) throw Error(where + "." + key, "expected text", kInvalid);
   return found->get<std::string>();
 }
 
@@ -66,7 +64,7 @@ glm::vec<N, float> read_vector(const Json& object, const char* key, const glm::v
   const auto found = object.find(key);
   if (found == object.end()) return fallback;
   if (!found->is_array() || found->size() != N)
-    throw Error(where + "." + key, "expected " + std::to_string(N) + " numbers", kRemedy);
+    throw Error(where + "." + key, "expected " + std::to_string(N) + " numbers", kInvalid);
   glm::vec<N, float> out;
   for (int i = 0; i < N; ++i) out[i] = checked_number((*found)[static_cast<std::size_t>(i)], where + "." + key);
   return out;

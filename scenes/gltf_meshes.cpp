@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,6 +8,7 @@
 
 #include "scenes/error.h"
 #include "scenes/gltf_primitive.h"
+#include "scenes/parallel.h"
 
 namespace maquette::gltf {
 namespace {
@@ -19,8 +19,7 @@ struct Task : PrimitiveTask {
   std::exception_ptr failure;
 };
 
-constexpr const char* kRemedy = "the file is damaged; export it again";
-constexpr const char* kDraco = "KHR_draco_mesh_compression";
+constexpr const char* kDracoCompression = "KHR_draco_mesh_compression";
 
 std::vector<std::uint32_t> triangles_from_strip(const std::vector<std::uint32_t>& strip) {
   std::vector<std::uint32_t> out;
@@ -45,8 +44,8 @@ void import_indices(AttributeReader* reader, PrimitiveTask* task) {
       throw Error(reader->where(),
                   "index " + std::to_string(i) + " is vertex " + std::to_string(indices[i]) + " of " +
                       std::to_string(task->out.positions.size()),
-                  kRemedy);
-  if (find_extension(reader->json(), kDraco) != nullptr || mode == TINYGLTF_MODE_TRIANGLES) {
+                  kDamaged);
+  if (find_extension(reader->json(), kDracoCompression) != nullptr || mode == TINYGLTF_MODE_TRIANGLES) {
     task->out.indices = std::move(indices);
   } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
     task->out.indices = triangles_from_strip(indices);
@@ -65,7 +64,7 @@ void check_lengths(const AttributeReader& reader, const Primitive& primitive) {
       throw Error(
           reader.where() + "." + name,
           "has " + std::to_string(length) + " values for " + std::to_string(primitive.positions.size()) + " vertices",
-          kRemedy);
+          kDamaged);
   };
   check("NORMAL", primitive.normals.size());
   check("TANGENT", primitive.tangents.size());
@@ -94,7 +93,8 @@ void import_variants(const Document& document, const AttributeReader& reader, Pr
     for (const Json& variant : mapping["variants"]) {
       const auto index = variant.get<std::size_t>();
       if (index >= count)
-        throw Error(reader.where(), "names variant " + std::to_string(index) + " of " + std::to_string(count), kRemedy);
+        throw Error(reader.where(), "names variant " + std::to_string(index) + " of " + std::to_string(count),
+                    kDamaged);
       primitive->variant_materials[static_cast<int>(index)] = mapping["material"].get<int>();
     }
   }
@@ -102,7 +102,7 @@ void import_variants(const Document& document, const AttributeReader& reader, Pr
 
 /// Whether any of its accessors does.
 bool primitive_lacks_bytes(const Document& document, const Json& primitive) {
-  if (find_extension(primitive, kDraco) != nullptr) return false;
+  if (find_extension(primitive, kDracoCompression) != nullptr) return false;
   std::vector<std::size_t> accessors;
   for (const auto& [name, accessor] : primitive["attributes"].items()) accessors.push_back(accessor.get<std::size_t>());
   if (primitive.contains("indices")) accessors.push_back(primitive["indices"].get<std::size_t>());
@@ -114,7 +114,7 @@ void import_primitive(const Document& document, PrimitiveTask* task) {
   const Json& json = element_json(document, "meshes", task->mesh)["primitives"][task->primitive];
   const auto mode = json.value("mode", std::size_t{TINYGLTF_MODE_TRIANGLES});
   if (mode > TINYGLTF_MODE_TRIANGLE_FAN)
-    throw Error(at(document.path, task->name()), "mode " + std::to_string(mode) + " is not one of glTF's", kRemedy);
+    throw Error(at(document.path, task->name()), "mode " + std::to_string(mode) + " is not one of glTF's", kDamaged);
   task->drawable = mode >= TINYGLTF_MODE_TRIANGLES;
   if (!task->drawable) {
     task->warnings.add("points and lines are not drawn", task->name());
@@ -150,7 +150,7 @@ void import_primitive(const Document& document, PrimitiveTask* task) {
 }
 
 std::size_t estimate_cost(const Document& document, const Json& primitive) {
-  if (const Json* compressed = find_extension(primitive, kDraco); compressed != nullptr)
+  if (const Json* compressed = find_extension(primitive, kDracoCompression); compressed != nullptr)
     return 16 * document.model.bufferViews[(*compressed)["bufferView"].get<std::size_t>()].byteLength;
   const auto position = primitive["attributes"].find("POSITION");
   return position == primitive["attributes"].end() ? 0 : document.model.accessors[position->get<std::size_t>()].count;
@@ -163,7 +163,7 @@ void run_in_parallel(const Document& document, std::vector<Task>* tasks) {
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return (*tasks)[a].cost > (*tasks)[b].cost; });
   std::atomic<std::size_t> next{0};
-  tbb::parallel_for(std::size_t{0}, tasks->size(), [&](std::size_t) {
+  parallel_for(std::size_t{0}, tasks->size(), [&](std::size_t) {
     Task& task = (*tasks)[order[next.fetch_add(1)]];
     try {
       import_primitive(document, &task);

@@ -1,16 +1,15 @@
 #include <meshoptimizer.h>
-#include <tbb/parallel_for.h>
 
 #include <exception>
 
 #include "scenes/error.h"
 #include "scenes/gltf_document.h"
+#include "scenes/parallel.h"
 
 namespace maquette::gltf {
 namespace {
 
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
-constexpr const char* kRemedy = "the file is damaged; export it again";
 /// A byte of a stream describes 64 bytes at most (one bit pair of a header for 16 equal bytes): more is not in it.
 constexpr std::size_t kMostBytesPerByte = 64;
 
@@ -30,7 +29,7 @@ Stream describe(const Document& document, std::size_t view, const Json& json, co
   out.filter = json.value("filter", "NONE");
   const bool of_vertices = out.mode == "ATTRIBUTES", of_triangles = out.mode == "TRIANGLES";
   if (!of_vertices && !of_triangles && out.mode != "INDICES")
-    throw Error(where, "mode " + name_text(out.mode) + " is not one of the extension's", kRemedy);
+    throw Error(where, "mode " + name_text(out.mode) + " is not one of the extension's", kDamaged);
   const bool fits = of_vertices ? out.stride > 0 && out.stride <= 256 && out.stride % 4 == 0
                                 : (out.stride == 2 || out.stride == 4) && (!of_triangles || out.count % 3 == 0);
   const bool filtered = (out.filter == "OCTAHEDRAL" && (out.stride == 4 || out.stride == 8)) ||
@@ -39,21 +38,21 @@ Stream describe(const Document& document, std::size_t view, const Json& json, co
     throw Error(where,
                 "mode " + out.mode + ", filter " + name_text(out.filter) + ", byteStride " +
                     std::to_string(out.stride) + " and count " + std::to_string(out.count) + " do not go together",
-                kRemedy);
+                kDamaged);
   const auto buffer = json["buffer"].get<std::size_t>();
   const auto offset = json.value("byteOffset", std::size_t{0}), length = json["byteLength"].get<std::size_t>();
   const Bytes source = document.buffers[buffer];
   if (offset > source.size() || length > source.size() - offset)
-    throw Error(where, "its bytes are outside " + element("buffers", buffer), kRemedy);
+    throw Error(where, "its bytes are outside " + element("buffers", buffer), kDamaged);
   out.bytes = source.subspan(offset, length);
   const std::size_t promised = document.model.bufferViews[view].byteLength;
   if (out.count > kMostBytesPerByte * length || out.count * out.stride > kMostBytesPerByte * length)
-    throw Error(where, "does not hold the " + std::to_string(out.count) + " elements that it promises", kRemedy);
+    throw Error(where, "does not hold the " + std::to_string(out.count) + " elements that it promises", kDamaged);
   if (out.count * out.stride != promised)
     throw Error(
         where,
         "has " + std::to_string(out.count * out.stride) + " bytes, byteLength promises " + std::to_string(promised),
-        kRemedy);
+        kDamaged);
   return out;
 }
 
@@ -70,7 +69,7 @@ std::vector<std::byte> decode(const Stream& stream, const std::string& where) {
   } else {
     failed = meshopt_decodeIndexSequence(out.data(), stream.count, stream.stride, source, size);
   }
-  if (failed != 0) throw Error(where, "its data cannot be decoded", kRemedy);
+  if (failed != 0) throw Error(where, "its data cannot be decoded", kDamaged);
   if (stream.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(out.data(), stream.count, stream.stride);
   if (stream.filter == "QUATERNION") meshopt_decodeFilterQuat(out.data(), stream.count, stream.stride);
   if (stream.filter == "EXPONENTIAL") meshopt_decodeFilterExp(out.data(), stream.count, stream.stride);
@@ -97,7 +96,7 @@ void decode_views(Document* document) {
   if (streams.empty()) return;
   document->decoded_views.resize(views->size());
   std::vector<std::exception_ptr> failures(streams.size());
-  tbb::parallel_for(std::size_t{0}, streams.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, streams.size(), [&](std::size_t i) {
     try {
       document->decoded_views[streams[i].view] = decode(streams[i], where_of(streams[i].view));
     } catch (...) {

@@ -9,7 +9,6 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "the file is damaged; export it again";
 /// Above this, squares of transformed points exceed float's range.
 constexpr float kMaxTransform = 1e12f;
 
@@ -66,7 +65,7 @@ std::vector<glm::vec<N, float>> read_instances(const Document& document, const J
     throw Error(where + "." + name,
                 "has " + std::to_string(out.size()) + " instances, expected " +
                     (*count ? std::to_string(**count) : std::to_string(kMaxInstances) + " at most"),
-                kRemedy);
+                kDamaged);
   *count = out.size();
   return out;
 }
@@ -87,7 +86,7 @@ std::optional<std::vector<glm::mat4>> instances_of(Document* document, std::size
   if (!count) return std::nullopt;
   document->instance_count += *count;
   if (document->instance_count > kMaxInstances)
-    throw Error(where, "brings the file to more than " + std::to_string(kMaxInstances) + " instances", kRemedy);
+    throw Error(where, "brings the file to more than " + std::to_string(kMaxInstances) + " instances", kDamaged);
   std::vector<glm::mat4> out(*count, glm::mat4(1.0f));
   for (std::size_t i = 0; i < *count; ++i) {
     if (!translations.empty()) out[i][3] = glm::vec4(translations[i], 1.0f);

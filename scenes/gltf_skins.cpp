@@ -9,7 +9,6 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "the file is damaged; export it again";
 constexpr std::size_t kMostJointSets = 8;  ///< of four joints each
 
 /// Weights of a node's mesh without the zeros at the end: the node's own, or the mesh's; none without targets.
@@ -43,7 +42,7 @@ std::vector<glm::dmat4> joint_matrices(const Document& document, std::size_t ski
       throw Error(
           at(document.path, element("skins", skin) + ".inverseBindMatrices"),
           "has " + std::to_string(bound.size()) + " matrices for " + std::to_string(json["joints"].size()) + " joints",
-          kRemedy);
+          kDamaged);
   }
   std::vector<glm::dmat4> out;
   for (std::size_t j = 0; j < json["joints"].size(); ++j) {
@@ -138,7 +137,7 @@ struct Influences {
       throw Error(where,
                   "a vertex follows joint " + std::to_string(static_cast<long>(joint)) + " of " +
                       std::to_string(matrices.size()),
-                  kRemedy);
+                  kDamaged);
     return matrices[static_cast<std::size_t>(joint)];
   }
 };
@@ -173,7 +172,7 @@ void apply_skin(const AttributeReader& reader, PrimitiveTask* task) {
     if (influences.joints.back().size() != out.positions.size() ||
         influences.weights.back().size() != out.positions.size())
       throw Error(reader.where(), "JOINTS_" + suffix + " and WEIGHTS_" + suffix + " do not have one value a vertex",
-                  kRemedy);
+                  kDamaged);
   }
   for (std::size_t i = 0; i < out.positions.size(); ++i) {
     const glm::dmat4 blend = influences.blend(i, task->use->joints, reader.where());

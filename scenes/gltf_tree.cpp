@@ -8,8 +8,6 @@
 namespace maquette::gltf {
 namespace {
 
-constexpr const char* kRemedy = "the file is damaged; export it again";
-
 glm::dmat4 local_transform(Document* document, std::size_t index) {
   const tinygltf::Node& node = document->model.nodes[index];
   if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
@@ -38,7 +36,7 @@ std::vector<int> find_parents(const Document& document) {
       int& parent = parents[static_cast<std::size_t>(child)];
       if (parent >= 0)
         throw Error(at(document.path, element("nodes", static_cast<std::size_t>(child))),
-                    "has two parents, " + std::to_string(parent) + " and " + std::to_string(i), kRemedy);
+                    "has two parents, " + std::to_string(parent) + " and " + std::to_string(i), kDamaged);
       parent = static_cast<int>(i);
     }
   }
@@ -54,7 +52,7 @@ std::vector<int> find_parents(const Document& document) {
     stack.insert(stack.end(), nodes[i].children.begin(), nodes[i].children.end());
   }
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (!reached[i]) throw Error(at(document.path, element("nodes", i)), "is its own ancestor", kRemedy);
+    if (!reached[i]) throw Error(at(document.path, element("nodes", i)), "is its own ancestor", kDamaged);
   return parents;
 }
 
@@ -71,7 +69,7 @@ std::vector<int> root_nodes(const Document& document, std::size_t scene, const s
     const auto i = static_cast<std::size_t>(root);
     if (parents[i] >= 0)
       throw Error(at(document.path, element("scenes", scene)),
-                  "its root " + std::to_string(root) + " is a child of node " + std::to_string(parents[i]), kRemedy);
+                  "its root " + std::to_string(root) + " is a child of node " + std::to_string(parents[i]), kDamaged);
     if (seen[i]++ == 0) roots.push_back(root);
   }
   return roots;

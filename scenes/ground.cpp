@@ -10,7 +10,6 @@ namespace maquette {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Radius, in radii of the scene, and at least in heights of the point of view: beyond, the environment itself is seen.
 constexpr double kRadii = 6.0, kHeights = 10.0;
 constexpr int kAround = 96, kRings = 72;
@@ -33,15 +32,15 @@ TextureImage ground_image(const Environment& environment) {
   image.rgba.resize(static_cast<std::size_t>(4 * kTextureWidth * kTextureHeight), 255);
   for (int y = 0; y < kTextureHeight; ++y) {
     // Row 0 looks to the horizon, the last one down; columns as in the environment.
-    const double latitude = -0.5 * kPi * (y + 0.5) / kTextureHeight;
+    const double latitude = -0.5 * std::numbers::pi * (y + 0.5) / kTextureHeight;
     for (int x = 0; x < kTextureWidth; ++x) {
-      const double longitude = kPi - 2.0 * kPi * (x + 0.5) / kTextureWidth;
+      const double longitude = std::numbers::pi - 2.0 * std::numbers::pi * (x + 0.5) / kTextureWidth;
       const glm::dvec3 direction(std::cos(latitude) * std::sin(longitude), std::sin(latitude),
                                  std::cos(latitude) * std::cos(longitude));
       const glm::dvec3 shown = evaluate_environment(environment, direction);
       std::uint8_t* texel = &image.rgba[static_cast<std::size_t>(4 * (y * kTextureWidth + x))];
       for (int c = 0; c < 3; ++c) {
-        const double albedo = irradiance[c] > 0.0 ? std::min(kPi * shown[c] / irradiance[c], 1.0) : 0.0;
+        const double albedo = irradiance[c] > 0.0 ? std::min(std::numbers::pi * shown[c] / irradiance[c], 1.0) : 0.0;
         texel[c] = static_cast<std::uint8_t>(std::lround(255.0 * srgb_from_linear(albedo)));
       }
     }
@@ -56,10 +55,10 @@ Primitive ground_disc(double height_m, double fine_m, double radius_m) {
   for (int k = 0; k <= kRings; ++k) {
     const double r = ring_m(k, fine_m, radius_m);
     for (int i = 0; i <= kAround; ++i) {
-      const double longitude = kPi - 2.0 * kPi * i / kAround;
+      const double longitude = std::numbers::pi - 2.0 * std::numbers::pi * i / kAround;
       disc.positions.emplace_back(r * std::sin(longitude), 0.0, r * std::cos(longitude));
       disc.normals.emplace_back(0.0f, 1.0f, 0.0f);
-      disc.uvs[0].emplace_back(static_cast<double>(i) / kAround, std::atan2(height_m, r) / (0.5 * kPi));
+      disc.uvs[0].emplace_back(static_cast<double>(i) / kAround, std::atan2(height_m, r) / (0.5 * std::numbers::pi));
     }
   }
   const auto at = [](int k, int i) { return static_cast<std::uint32_t>(k * (kAround + 1) + i); };
@@ -77,15 +76,15 @@ glm::dvec3 upper_irradiance(const Environment& environment) {
   glm::dvec3 sum(0.0);
   for (int y = 0; y < environment.height; ++y) {
     // Over each row, the exact integral of the sine of the latitude, above the horizon.
-    const double top = std::max(0.5 * kPi - kPi * y / environment.height, 0.0),
-                 bottom = std::max(0.5 * kPi - kPi * (y + 1) / environment.height, 0.0);
+    const double top = std::max(0.5 * std::numbers::pi - std::numbers::pi * y / environment.height, 0.0),
+                 bottom = std::max(0.5 * std::numbers::pi - std::numbers::pi * (y + 1) / environment.height, 0.0);
     const double weight = 0.5 * (std::pow(std::sin(top), 2.0) - std::pow(std::sin(bottom), 2.0));
     if (!(weight > 0.0)) continue;
     glm::dvec3 row(0.0);
     for (int x = 0; x < environment.width; ++x)
       row += glm::dvec3(environment.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(environment.width) +
                                         static_cast<std::size_t>(x)]);
-    sum += row * (weight * 2.0 * kPi / environment.width);
+    sum += row * (weight * 2.0 * std::numbers::pi / environment.width);
   }
   return sum;
 }

@@ -1,10 +1,9 @@
 #include "scenes/image_color.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
@@ -56,7 +55,7 @@ glm::dmat3 rec709_from_rgb(const Primaries& primaries) {
 }
 
 void convert_colors(const glm::mat3& matrix, std::size_t texel_count, int channels, float* values) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, texel_count, 4096), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, texel_count, 4096, [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       float* value = values + i * static_cast<std::size_t>(channels);
       const glm::vec3 rgb = matrix * glm::vec3(value[0], value[1], value[2]);

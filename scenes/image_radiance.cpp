@@ -1,7 +1,6 @@
 // Radiance pictures (.hdr). Own reader, because stb_image reads a truncated file as black rows and needs the whole map
 // in memory. Source: Ward 1991, "Real Pixels", Graphics Gems II; and the Radiance file format description (filefmts,
 // "Picture File Format").
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -17,12 +16,13 @@
 #include "scenes/files.h"
 #include "scenes/image_color.h"
 #include "scenes/image_rows.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
 
-using Bytes = std::span<const std::uint8_t>;
-constexpr int kStripRows = 256;
+using RadianceBytes = std::span<const std::uint8_t>;
+constexpr int kRadianceRows = 256;
 constexpr std::size_t kMaxFileBytes = std::size_t{2} << 30;
 constexpr std::size_t kMaxTurnedTexels = std::size_t{1} << 28;
 
@@ -30,7 +30,7 @@ Error damaged(const std::string& path, const std::string& what) {
   return Error(path, what, "copy or export the .hdr file again");
 }
 
-std::string_view next_line(const std::string& path, Bytes bytes, std::size_t& position) {
+std::string_view next_line(const std::string& path, RadianceBytes bytes, std::size_t& position) {
   const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(position);
   // Header lines are limited to this length.
   const auto limit = begin + std::min<std::ptrdiff_t>(4096, bytes.end() - begin);
@@ -147,7 +147,7 @@ void read_variable(const std::string& path, std::string_view line, Header* heade
   }
 }
 
-Header parse_header(const std::string& path, Bytes bytes, std::size_t& position) {
+Header parse_header(const std::string& path, RadianceBytes bytes, std::size_t& position) {
   Header header;
   const auto next = [&] {
     std::string_view line = next_line(path, bytes, position);
@@ -168,14 +168,14 @@ std::optional<glm::mat3> conversion_of(const Header& header) {
   return glm::mat3(rec709[0] / header.gain.x, rec709[1] / header.gain.y, rec709[2] / header.gain.z);
 }
 
-bool has_new_encoding(Bytes bytes, std::size_t position, int width) {
+bool has_new_encoding(RadianceBytes bytes, std::size_t position, int width) {
   return width >= 8 && width <= 0x7fff && position + 4 <= bytes.size() && bytes[position] == 2 &&
          bytes[position + 1] == 2 && ((bytes[position + 2] << 8) | bytes[position + 3]) == width;
 }
 
 /// Scans one row that starts at `position`, and writes it to `rgbe` ([4][width] planes for the new encoding, otherwise
 /// interleaved) unless that is null. Returns the position after the row, or 0 when the data is damaged or ends early.
-std::size_t scan_new_row(Bytes bytes, std::size_t position, int width, std::uint8_t* rgbe) {
+std::size_t scan_new_row(RadianceBytes bytes, std::size_t position, int width, std::uint8_t* rgbe) {
   position += 4;
   const std::size_t row_bytes = 4 * static_cast<std::size_t>(width);
   for (std::size_t plane_begin = 0; plane_begin < row_bytes; plane_begin += static_cast<std::size_t>(width)) {
@@ -196,7 +196,7 @@ std::size_t scan_new_row(Bytes bytes, std::size_t position, int width, std::uint
   return position;
 }
 
-std::size_t scan_old_row(Bytes bytes, std::size_t position, int width, std::uint8_t* rgbe) {
+std::size_t scan_old_row(RadianceBytes bytes, std::size_t position, int width, std::uint8_t* rgbe) {
   std::size_t x = 0;
   unsigned shift = 0;
   while (x < static_cast<std::size_t>(width)) {
@@ -232,7 +232,7 @@ using Rgbe = std::array<std::uint8_t, 4>;
 
 /// Calls put(i, texel) for each texel of the line that starts at `position`.
 template <class Put>
-void decode_line(Bytes bytes, std::size_t position, int length, const Put& put) {
+void decode_line(RadianceBytes bytes, std::size_t position, int length, const Put& put) {
   const auto count = static_cast<std::size_t>(length);
   std::vector<std::uint8_t> rgbe(4 * count);
   const bool planar = has_new_encoding(bytes, position, length);
@@ -253,7 +253,7 @@ void to_float(const Rgbe& texel, float* rgb) {
 /// The lines of one file, turned into rows from the top and from the left.
 class RowSource {
  public:
-  RowSource(const std::string& path, Bytes bytes, std::size_t position, const Orientation& orientation)
+  RowSource(const std::string& path, RadianceBytes bytes, std::size_t position, const Orientation& orientation)
       : bytes_(bytes), orientation_(orientation) {
     // Lines are located first, so that nothing is allocated for missing data.
     for (int i = 0; i < orientation.line_count; ++i) {
@@ -278,7 +278,7 @@ class RowSource {
   void prepare() {
     if (!orientation_.lines_are_columns) return;
     turned_.resize(static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()));
-    tbb::parallel_for(0, width(), [&](int x) {
+    parallel_for(0, width(), [&](int x) {
       const auto column = static_cast<std::size_t>(orientation_.from_right ? width() - 1 - x : x);
       decode_line(bytes_, begins_[static_cast<std::size_t>(x)], height(), [&](std::size_t i, const Rgbe& texel) {
         turned_[i * static_cast<std::size_t>(width()) + column] = texel;
@@ -299,7 +299,7 @@ class RowSource {
   }
 
  private:
-  Bytes bytes_;
+  RadianceBytes bytes_;
   Orientation orientation_;
   std::vector<std::size_t> begins_;
   std::vector<Rgbe> turned_;
@@ -309,7 +309,7 @@ class RowSource {
 
 void stream_radiance(const std::string& path, const HdrBegin& begin, const HdrRows& rows) {
   const std::vector<std::byte> file = read_file(path, kMaxFileBytes);
-  const Bytes bytes(reinterpret_cast<const std::uint8_t*>(file.data()), file.size());
+  const RadianceBytes bytes(reinterpret_cast<const std::uint8_t*>(file.data()), file.size());
   std::size_t position = 0;
   const Header header = parse_header(path, bytes, position);
   const std::optional<glm::mat3> conversion = conversion_of(header);
@@ -319,10 +319,10 @@ void stream_radiance(const std::string& path, const HdrBegin& begin, const HdrRo
   begin(info);
   source.prepare();
   const std::size_t row_floats = 3 * static_cast<std::size_t>(info.width);
-  std::vector<float> strip(row_floats * static_cast<std::size_t>(std::min(kStripRows, info.height)));
-  for (int first = 0; first < info.height; first += kStripRows) {
-    const int count = std::min(kStripRows, info.height - first);
-    tbb::parallel_for(0, count, [&](int r) {
+  std::vector<float> strip(row_floats * static_cast<std::size_t>(std::min(kRadianceRows, info.height)));
+  for (int first = 0; first < info.height; first += kRadianceRows) {
+    const int count = std::min(kRadianceRows, info.height - first);
+    parallel_for(0, count, [&](int r) {
       float* row = strip.data() + static_cast<std::size_t>(r) * row_floats;
       source.read_row(first + r, row);
       if (conversion) convert_colors(*conversion, static_cast<std::size_t>(info.width), 3, row);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "scenes/image.h"
 #include "scenes/shared_glsl.h"
 
@@ -13,6 +15,9 @@ using shared::luminance;
 
 /// The same in double.
 inline double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
+/// The largest of red, green and blue.
+inline float channel_max(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
 /// Of a pixel of at least three channels.
 inline double luminance(const Image& image, int x, int y) {

@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include <atomic>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include "scenes/brdf.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -72,7 +72,7 @@ SliceResult decode_slice(const std::byte* planes, std::size_t theta_h, glm::vec3
 
 /// Columns without any measured value are copied from the nearest theta_h that has one (the smaller first).
 void fill_empty_columns(const std::vector<SliceResult>& slices, std::vector<glm::vec3>& rgb) {
-  tbb::parallel_for(0, kPhiDCount, [&](int phi) {
+  parallel_for(0, kPhiDCount, [&](int phi) {
     for (int theta_h = 0; theta_h < kThetaHCount; ++theta_h) {
       if (!slices[static_cast<std::size_t>(theta_h)].empty_column[phi]) continue;
       const auto usable = [&](int t) {
@@ -141,7 +141,7 @@ BrdfTable load_merl(const std::string& path) {
   table.name = std::filesystem::path(path).stem().string();
   table.rgb.resize(kEntries);
   std::vector<SliceResult> slices(kThetaHCount);
-  tbb::parallel_for(0, kThetaHCount, [&](int theta_h) {
+  parallel_for(0, kThetaHCount, [&](int theta_h) {
     const auto slice = static_cast<std::size_t>(theta_h);
     slices[slice] = decode_slice(bytes.data() + kHeaderBytes, slice, &table.rgb[slice * kSlice]);
   });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/srgb.h"
 
@@ -153,9 +154,11 @@ Primitive make_sphere(double radius, int n) {
     const auto first = static_cast<std::uint32_t>(p.positions.size());
     for (int i = 0; i <= n; ++i) {
       for (int j = 0; j <= n; ++j) {
-        const double s = std::tan((2.0 * i / n - 1.0) * kPi / 4.0), t = std::tan((2.0 * j / n - 1.0) * kPi / 4.0);
+        const double s = std::tan((2.0 * i / n - 1.0) * std::numbers::pi / 4.0),
+                     t = std::tan((2.0 * j / n - 1.0) * std::numbers::pi / 4.0);
         const Vec3 d = glm::normalize(w + s * u + t * v);
-        const Vec2 uv(std::atan2(d.x, d.z) / (2.0 * kPi) + 0.5, 0.5 - std::asin(std::clamp(d.y, -1.0, 1.0)) / kPi);
+        const Vec2 uv(std::atan2(d.x, d.z) / (2.0 * std::numbers::pi) + 0.5,
+                      0.5 - std::asin(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi);
         add_vertex(&p, radius * d, d, uv);
       }
     }
@@ -171,7 +174,8 @@ Primitive make_rounded_box(const Vec3& size, double radius, int k) {
   const Vec3 axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   // Rows 0..k form one rounded edge, then the flat, then k+1..2k+1 the other edge.
   const auto angle = [&](int i) {
-    return i <= k ? (static_cast<double>(i) / k - 1.0) * kPi / 4.0 : (i - k - 1.0) / k * kPi / 4.0;
+    return i <= k ? (static_cast<double>(i) / k - 1.0) * std::numbers::pi / 4.0
+                  : (i - k - 1.0) / k * std::numbers::pi / 4.0;
   };
   const int n = 2 * k + 1;
   for (const Vec3& w : axes) {
@@ -236,7 +240,7 @@ Profile round_corners(const std::vector<Vec2>& points, double radius, int k, boo
 Profile make_ellipse(double rx, double ry, int n) {
   Profile profile;
   for (int i = 0; i < n; ++i) {
-    const double a = 2.0 * kPi * i / n;
+    const double a = 2.0 * std::numbers::pi * i / n;
     profile.push_back({{rx * std::cos(a), ry * std::sin(a)}, glm::normalize(Vec2(ry * std::cos(a), rx * std::sin(a)))});
   }
   return profile;
@@ -338,7 +342,7 @@ Primitive extrude(const Profile& outline, double depth, double bevel, int k) {
   int rings = 0;
   for (const bool top : {false, true}) {
     for (int i = 0; i <= k; ++i) {
-      const double a = (top ? i : k - i) * kPi / (2.0 * k), s = std::sin(a), c = std::cos(a);
+      const double a = (top ? i : k - i) * std::numbers::pi / (2.0 * k), s = std::sin(a), c = std::cos(a);
       ring(bevel * (1.0 - c), top ? depth - bevel * (1.0 - s) : bevel * (1.0 - s), c, top ? s : -s);
       ++rings;
     }

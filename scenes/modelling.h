@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <glm/glm.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,6 @@ namespace maquette::modelling {
 
 using Vec2 = glm::dvec2;
 using Vec3 = glm::dvec3;
-
-inline constexpr double kPi = 3.14159265358979323846;
 
 /// Linear sRGB from display-encoded 8-bit values.
 glm::vec3 srgb(int r, int g, int b);
@@ -76,7 +75,7 @@ Profile round_corners(const std::vector<Vec2>& points, double radius, int k, boo
 Profile make_ellipse(double rx, double ry, int n);
 
 /// Lathe about +Y: profile (radius, height), travelling upwards for an outside that faces away from the axis.
-Primitive revolve(const Profile& profile, int segments, double from_rad = 0.0, double to_rad = 2.0 * kPi);
+Primitive revolve(const Profile& profile, int segments, double from_rad = 0.0, double to_rad = 2.0 * std::numbers::pi);
 
 /// Pose of a profile: profile x along `x`, profile y along `y`.
 struct Frame {
@@ -111,7 +110,8 @@ struct Rim {
 Primitive clip(const Primitive& surface, const Field& field, const Rim* rim = nullptr);
 /// The strip of `surface` where from < field < to. Uses two cuts, so that it may be narrower than the triangles.
 Primitive clip_band(const Primitive& surface, const Field& field, double from, double to, const Rim* rim = nullptr);
-/// Divides triangles until no edge is longer than `longest_m`: what is baked by vertex needs vertices on flat faces too.
+/// Divides triangles until no edge is longer than `longest_m`: what is baked by vertex needs vertices on flat faces
+/// too.
 void split_long_edges(Primitive* surface, double longest_m);
 /// Every vertex moved by `distance_m` along its normal.
 Primitive offset(const Primitive& surface, double distance_m);

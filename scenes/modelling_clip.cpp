@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <unordered_map>
 #include <utility>
 
@@ -119,7 +120,7 @@ class Clipper {
       result_.uvs[0].push_back(uv);
     };
     for (int k = 0; k <= rim.segments; ++k) {
-      const double a = kPi / 2.0 * k / rim.segments, c = std::cos(a), s = std::sin(a);
+      const double a = std::numbers::pi / 2.0 * k / rim.segments, c = std::cos(a), s = std::sin(a);
       put(p + rim.radius_m * (s * out - (1.0 - c) * n), glm::normalize(c * n + s * out + 1e-9 * n));
     }
     put(p + rim.radius_m * out - (rim.radius_m + rim.depth_m) * n, glm::length(out) > 0.0 ? out : n);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <numbers>
 #include <utility>
 
 #include "scenes/angles.h"
@@ -165,7 +166,8 @@ Vec2 lattice_gradient(int x, int y, unsigned seed) {
   static const std::array<Vec2, 16> kDirections = [] {
     std::array<Vec2, 16> directions;
     for (std::size_t i = 0; i < 16; ++i)
-      directions[i] = {std::cos(kPi * static_cast<double>(i) / 8.0), std::sin(kPi * static_cast<double>(i) / 8.0)};
+      directions[i] = {std::cos(std::numbers::pi * static_cast<double>(i) / 8.0),
+                       std::sin(std::numbers::pi * static_cast<double>(i) / 8.0)};
     return directions;
   }();
   unsigned h = static_cast<unsigned>(x) * 0x9e3779b1u ^ static_cast<unsigned>(y) * 0x85ebca6bu ^ seed * 0xc2b2ae35u;

@@ -4,8 +4,6 @@
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/sdc/catmarkScheme.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cassert>
@@ -13,6 +11,7 @@
 #include <mutex>
 
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 #include "scenes/subdivision_cage.h"
 #include "scenes/subdivision_refiner.h"
 
@@ -271,7 +270,7 @@ struct SubdivisionEvaluator::Impl {
 
   template <typename Work>
   static void for_ranges(std::size_t count, const Work& work) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+    parallel_ranges<std::size_t>(0, count, kGrain, [&](const auto& range) {
       for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
     });
   }

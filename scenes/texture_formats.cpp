@@ -19,18 +19,18 @@
 namespace maquette {
 namespace {
 
-using Bytes = std::span<const std::byte>;
+using TextureBytes = std::span<const std::byte>;
 
 /// Limit of the texels of one image; larger images are invalid or not meant for a car.
-constexpr std::int64_t kMaxTexels = std::int64_t{1} << 28;
+constexpr std::int64_t kMostTextureTexels = std::int64_t{1} << 28;
 constexpr std::size_t kPngSignature = 8;
 constexpr std::size_t kChunkFrame = 12;  // length, name, checksum
 
-std::string_view as_text(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+std::string_view as_text(TextureBytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-std::size_t byte_at(Bytes bytes, std::size_t i) { return std::to_integer<std::size_t>(bytes[i]); }
+std::size_t byte_at(TextureBytes bytes, std::size_t i) { return std::to_integer<std::size_t>(bytes[i]); }
 
-std::size_t big_endian(Bytes bytes, std::size_t i, std::size_t count) {
+std::size_t big_endian(TextureBytes bytes, std::size_t i, std::size_t count) {
   std::size_t value = 0;
   for (std::size_t k = 0; k < count; ++k) value = value << 8 | byte_at(bytes, i + k);
   return value;
@@ -46,7 +46,7 @@ Error undecodable(std::string reason) {
 Error cut_short() { return Error({}, "is cut short", "copy or export it again"); }
 
 /// stb_image reads no checksums: damaged texels would be shown.
-void check_png(Bytes bytes) {
+void check_png(TextureBytes bytes) {
   std::size_t position = kPngSignature;
   while (bytes.size() - position >= kChunkFrame) {
     const std::size_t length = big_endian(bytes, position, 4);
@@ -64,14 +64,14 @@ void check_png(Bytes bytes) {
 }
 
 void set_size(int width, int height, TextureImage* image) {
-  if (std::int64_t{width} * height > kMaxTexels)
+  if (std::int64_t{width} * height > kMostTextureTexels)
     throw Error({}, "has " + std::to_string(width) + " x " + std::to_string(height) + " texels, which is too large");
   image->width = width;
   image->height = height;
   image->rgba.resize(std::size_t{4} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
-void decode_png(Bytes bytes, TextureImage* image) {
+void decode_png(TextureBytes bytes, TextureImage* image) {
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
@@ -92,7 +92,7 @@ void decode_png(Bytes bytes, TextureImage* image) {
   }
 }
 
-void decode_webp(Bytes bytes, TextureImage* image) {
+void decode_webp(TextureBytes bytes, TextureImage* image) {
   const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
   WebPBitstreamFeatures features;
   const VP8StatusCode status = WebPGetFeatures(data, bytes.size(), &features);
@@ -106,7 +106,7 @@ void decode_webp(Bytes bytes, TextureImage* image) {
 
 }  // namespace
 
-TextureFormat texture_format(Bytes bytes) {
+TextureFormat texture_format(TextureBytes bytes) {
   const std::string_view text = as_text(bytes);
   if (text.starts_with("\x89PNG\r\n\x1a\n")) return TextureFormat::png;
   if (text.starts_with("\xff\xd8\xff")) return TextureFormat::jpeg;
@@ -114,7 +114,7 @@ TextureFormat texture_format(Bytes bytes) {
   return TextureFormat::unknown;
 }
 
-std::string texture_format_name(Bytes bytes) {
+std::string texture_format_name(TextureBytes bytes) {
   switch (texture_format(bytes)) {
     case TextureFormat::png:
       return "PNG";
@@ -137,7 +137,7 @@ std::string texture_format_name(Bytes bytes) {
   return {};
 }
 
-void decode_texture(Bytes bytes, TextureImage* image, std::vector<std::string>* notes) {
+void decode_texture(TextureBytes bytes, TextureImage* image, std::vector<std::string>* notes) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) throw Error({}, "is larger than 2 GB");
   TextureImage decoded;
   switch (texture_format(bytes)) {

@@ -16,7 +16,7 @@ namespace maquette {
 
 namespace {
 
-constexpr std::size_t kColumns = 80;
+constexpr std::size_t kTextColumns = 80;
 constexpr std::size_t kIndent = 2;
 constexpr std::size_t kHelpColumn = 28;
 
@@ -183,7 +183,7 @@ std::string wrap(const std::string& text, std::size_t column) {
     const std::size_t end = std::min(text.find(' ', begin), text.size());
     const std::string word = text.substr(begin, end - begin);
     const bool first = used == column;
-    if (!first && used + 1 + word.size() > kColumns) {
+    if (!first && used + 1 + word.size() > kTextColumns) {
       result += "\n" + std::string(column, ' ') + word;
       used = column + word.size();
     } else {

@@ -30,7 +30,6 @@ namespace maquette {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kQuiet_s = 2.0;  // between two lines of progress
@@ -123,8 +122,8 @@ void begin_folder(const Play& play, const std::string& key, bool resumes_anythin
   if (fs::exists(manifest)) {
     std::string known;
     try {
-      known = Json::parse(read_text_file(manifest)).at("key").get<std::string>();
-    } catch (const Json::exception&) {
+      known = nlohmann::json::parse(read_text_file(manifest)).at("key").get<std::string>();
+    } catch (const nlohmann::json::exception&) {
     }
     if (known == key) return;
     if (!resumes_anything)
@@ -135,7 +134,8 @@ void begin_folder(const Play& play, const std::string& key, bool resumes_anythin
   } else if (!play.video.empty() && !fs::is_empty(play.folder)) {
     throw Error(play.folder, "the frames of the video would go there, and it has other files", "move them away");
   }
-  write_text(manifest, Json{{"key", key}, {"frames", play.count}, {"frames_per_second", play.fps}}.dump(1) + "\n");
+  write_text(manifest,
+             nlohmann::json{{"key", key}, {"frames", play.count}, {"frames_per_second", play.fps}}.dump(1) + "\n");
 }
 
 /// Draws frames of a path; which ones, and in which order, does not matter to any of them.

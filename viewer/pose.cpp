@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSampling_s = 1.0 / 50.0;  // of a camera that an animation moves
 constexpr std::size_t kMostSamples = 5000;
-constexpr double kTolerance = 1e-3;  // of the scene's radius, and rad
+constexpr double kPoseTolerance = 1e-3;  // of the scene's radius, and rad
 
 void turn_nodes(Scene* scene, const std::vector<int>& nodes, const glm::dmat4& rotation) {
   for (const int index : nodes) {
@@ -61,7 +61,7 @@ CameraPath path_of_camera(const Scene& scene, const Animation& animation, const 
     pose(&posed, animation, time_s);
     views.push_back({time_s, camera_by_name(posed, camera)});
   }
-  return thinned(views, {kTolerance * radius_m, kTolerance});
+  return thinned(views, {kPoseTolerance * radius_m, kPoseTolerance});
 }
 
 }  // namespace

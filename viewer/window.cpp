@@ -1,8 +1,7 @@
 #include "viewer/window.h"
 
-#include <epoxy/gl.h>
-// epoxy before GLFW
 #include <GLFW/glfw3.h>
+#include <epoxy/gl.h>
 #include <imgui.h>
 
 #include <algorithm>

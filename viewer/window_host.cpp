@@ -1,10 +1,9 @@
 #include "viewer/window_host.h"
 
-#include <epoxy/gl.h>
-// epoxy before GLFW
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
 
 #include <algorithm>
 

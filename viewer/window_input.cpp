@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/angles.h"
 #include "ui/camera_control.h"
 
 namespace maquette {
@@ -14,9 +15,7 @@ constexpr float kOrbitRate_rad = 0.008f;
 constexpr float kLookRate_rad = 0.0035f;
 constexpr float kLightRate_deg = 0.35f;
 constexpr float kFastFactor = 4.0f;
-constexpr float kWiperReach = 7.0f;  // units to each side of the line
-
-float wrap_degrees(float degrees) { return degrees - 360.0f * std::round(degrees / 360.0f); }
+constexpr float kWiperReach_px = 7.0f;  // units to each side of the line
 
 Renderer::Pick pick_middle(const Rect& picture, const PictureInput::Pick& pick) {
   return pick(picture.x + 0.5f * picture.width, picture.y + 0.5f * picture.height);
@@ -30,7 +29,7 @@ void set_pivot(CameraView* camera, const Renderer::Pick& middle) {
 
 bool on_wiper(const ErrorView& view, const Rect& picture, float x) {
   return view.open && view.show == ErrorView::Show::wiper &&
-         std::abs(x - (picture.x + view.wiper * picture.width)) <= kWiperReach;
+         std::abs(x - (picture.x + view.wiper * picture.width)) <= kWiperReach_px;
 }
 
 }  // namespace

@@ -14,8 +14,6 @@ namespace maquette {
 
 namespace {
 
-using Json = nlohmann::json;
-
 std::string memory_file() { return state_folder() + "/window.json"; }
 
 }  // namespace
@@ -30,7 +28,7 @@ void WindowMemory::note(const std::string& source) {
 WindowMemory load_window_memory() {
   WindowMemory memory;
   try {
-    const Json json = Json::parse(read_text_file(memory_file()));
+    const nlohmann::json json = nlohmann::json::parse(read_text_file(memory_file()));
     JsonReader reader(json, "window.json: ");
     WindowMemory read;
     read.recent = reader.texts("recent");
@@ -51,11 +49,11 @@ WindowMemory load_window_memory() {
 
 void save_window_memory(const WindowMemory& memory) {
   try {
-    const std::string text =
-        Json{{"recent", memory.recent},         {"left_open", memory.left_open}, {"right_open", memory.right_open},
-             {"text_scale", memory.text_scale}, {"width", memory.width},         {"height", memory.height}}
-            .dump(1) +
-        "\n";
+    const std::string text = nlohmann::json{{"recent", memory.recent},         {"left_open", memory.left_open},
+                                            {"right_open", memory.right_open}, {"text_scale", memory.text_scale},
+                                            {"width", memory.width},           {"height", memory.height}}
+                                 .dump(1) +
+                             "\n";
     write_file_atomically(memory_file(), std::as_bytes(std::span(text.data(), text.size())));
   } catch (const Error&) {
   }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFrame_s = 1.0 / 25.0;
 constexpr double kTurntable_s = 12.0;
-constexpr double kTolerance = 2e-3;  // of the scene's radius, and rad
+constexpr double kPathTolerance = 2e-3;  // of the scene's radius, and rad
 
 CameraPath* chosen_path(EditorState* state) {
   const int at = state->path_view.path;
@@ -104,8 +104,8 @@ void WindowPaths::carry_out(const EditorActions& actions, WindowSession* session
     view.recording = !view.recording;
     begin_s_ = now_s;
     if (!view.recording) {
-      const double tolerance_m = kTolerance * static_cast<double>(session->scene_radius());
-      CameraPath path = thinned(recorded_, {tolerance_m, kTolerance});
+      const double tolerance_m = kPathTolerance * static_cast<double>(session->scene_radius());
+      CameraPath path = thinned(recorded_, {tolerance_m, kPathTolerance});
       recorded_.clear();
       if (path.keys.size() >= 2)
         add_path(&state, std::move(path));

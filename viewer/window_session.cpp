@@ -43,8 +43,6 @@ Settings settings_of(const SceneOptions& options) {
   return settings;
 }
 
-float wrap_degrees(float degrees) { return degrees - 360.0f * std::round(degrees / 360.0f); }
-
 /// A file's scene with nothing level below it would float.
 bool wants_ground(const Scene& scene) { return !scene.name.starts_with("builtin:") && !has_ground(scene); }
 

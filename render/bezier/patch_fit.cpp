@@ -1,7 +1,5 @@
 #include "render/bezier/patch_fit.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "render/bezier/point_cloud.h"
 #include "render/bezier/reflector_patch.h"
 #include "render/bezier/sheets.h"
+#include "scenes/parallel.h"
 #include "scenes/subdivision_patches.h"
 
 namespace maquette {
@@ -324,7 +323,7 @@ struct Fitter {
     std::array<Parts, 2 * kShares.size()> tried;
     std::array<double, tried.size()> misfits;
     misfits.fill(1e300);
-    tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, tried.size(), [&](std::size_t k) {
       tried[k] = split(cloud, positions, indices, triangles, static_cast<int>(k / kShares.size()),
                        kShares[k % kShares.size()]);
       if (tried[k][0].size() < kMinTriangles || tried[k][1].size() < kMinTriangles) return;

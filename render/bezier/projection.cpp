@@ -1,7 +1,5 @@
 #include "render/bezier/projection.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "render/reflections/clusters.h"
 #include "render/reflections/nearest_hits.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -323,7 +322,7 @@ class BezierReflections : public ReflectorTechnique {
           numbers.push_back(static_cast<std::uint32_t>(c));
     }
     std::vector<std::optional<Candidate>> found(numbers.size());
-    tbb::parallel_for(std::size_t{0}, numbers.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, numbers.size(), [&](std::size_t k) {
       found[k] = find_candidate(part, glm::vec3(frame.constants->eye), *clusters_, numbers[k]);
     });
     std::vector<Candidate> candidates;

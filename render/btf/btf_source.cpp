@@ -1,7 +1,5 @@
 #include "render/btf/btf_source.h"
 
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -17,6 +15,7 @@
 #include "scenes/btf/btf_values.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/parallel.h"
 #include "scenes/suggest.h"
 
 namespace maquette {
@@ -229,7 +228,7 @@ BrdfTable mean_table(const Btf& btf) {
   table.rgb.resize(kBrdfEntryCount);
   constexpr double kHalfPi = 0.5 * std::numbers::pi;
   const BtfLookup all{{0.5f, 0.5f}, 1.0f};
-  tbb::parallel_for(0, kThetaHCount, [&](int h) {
+  parallel_for(0, kThetaHCount, [&](int h) {
     const double root = (h + 0.5) / kThetaHCount, theta_h = root * root * kHalfPi;
     for (int d = 0; d < kThetaDCount; ++d) {
       std::array<glm::vec3, kPhiDCount / kPhiStep> coarse;

@@ -12,8 +12,6 @@ namespace maquette {
 
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
 float unit_hash(int x, int y, std::uint32_t seed) {
   const std::uint32_t h = mix_seed(mix_seed(seed, static_cast<std::uint32_t>(x)), static_cast<std::uint32_t>(y));
   return static_cast<float>(h >> 8) * 0x1p-24f;
@@ -109,7 +107,7 @@ struct Twill {
   /// Height of the axis of a yarn at `along` (in yarns): up over two, down over two.
   static float axis(float along, int yarn, bool warp) {
     const float phase = along + static_cast<float>(warp ? yarn : -yarn) + (warp ? 0.0f : 2.0f);
-    return kRise * std::clamp(1.6f * std::cos(0.5f * kPi * (phase - 1.0f)), -1.0f, 1.0f);
+    return kRise * std::clamp(1.6f * std::cos(0.5f * std::numbers::pi_v<float> * (phase - 1.0f)), -1.0f, 1.0f);
   }
   static Point at(const glm::vec2& p) {
     Point top;
@@ -122,7 +120,8 @@ struct Twill {
             0.06f * noise({along / kYarns, (static_cast<float>(number) + 0.5f) / kYarns}, kYarns, warp ? 61 : 62);
         const float away = (across - static_cast<float>(yarn) - 0.5f - bend) * kPitch;
         // The twist of the plies, as ridges that run obliquely over the yarn.
-        const float twist = 0.06f * kRadius * std::cos(2.0f * kPi * (2.0f * along + 1.1f * away / kRadius));
+        const float twist =
+            0.06f * kRadius * std::cos(2.0f * std::numbers::pi_v<float> * (2.0f * along + 1.1f * away / kRadius));
         const float h = axis(along, number, warp) + yarn_profile(away, kRadius) + twist;
         if (h > top.height) top = {h, warp, along, away / kRadius};
       }
@@ -161,7 +160,7 @@ class Knit {
   }
   /// Lengths in wales; t in stitches. The loop leans out at its head, which lies behind the feet of the next course.
   static glm::vec3 axis(float t) {
-    const float a = 2.0f * kPi * t;
+    const float a = 2.0f * std::numbers::pi_v<float> * t;
     return {t + 0.24f * std::sin(2.0f * a), -0.62f * std::cos(a), -0.16f * std::cos(2.0f * a)};
   }
   void draw_course(int course) {
@@ -181,7 +180,8 @@ class Knit {
           const float d2 = glm::dot(d, d);
           if (d2 >= radius * radius) continue;
           const float across = d.x * tangent.y - d.y * tangent.x;
-          const float twist = 0.05f * radius * std::cos(2.0f * kPi * (5.0f * t + 0.8f * across / radius));
+          const float twist =
+              0.05f * radius * std::cos(2.0f * std::numbers::pi_v<float> * (5.0f * t + 0.8f * across / radius));
           const float h = (p.z * wale + std::sqrt(radius * radius - d2) + twist) / static_cast<float>(side_);
           float& top = heights_[index(x, y)];
           top = std::max(top, h);

@@ -1,13 +1,12 @@
 #include "render/btf/generate.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cassert>
 #include <numeric>
 
 #include "scenes/btf/btf_values.h"
 #include "scenes/btf/factorise.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -29,7 +28,7 @@ std::vector<float> trace_btf_view(const SmallGeometry& geometry, const TileRays&
   const glm::vec3 wo(view);
   std::vector<float> images(count * all * 3);
   std::vector<std::size_t> dark((all + kTexelsABlock - 1) / kTexelsABlock, 0);
-  tbb::parallel_for(std::size_t{0}, dark.size(), [&](std::size_t block) {
+  parallel_for(std::size_t{0}, dark.size(), [&](std::size_t block) {
     const std::size_t begin = block * kTexelsABlock, end = std::min(all, begin + kTexelsABlock);
     std::vector<glm::vec3> sums((end - begin) * count, glm::vec3(0.0f));
     for (std::size_t t = begin; t < end; ++t)

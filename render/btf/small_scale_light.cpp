@@ -1,7 +1,5 @@
 #include "render/btf/small_scale_light.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +8,7 @@
 #include "render/raytraced/embree_ray.h"
 #include "render/raytraced/ray_device.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -37,7 +36,7 @@ glm::vec3 to_world(const glm::vec3& n, const glm::vec3& w) {
 
 template <typename Body>
 void for_blocks(std::size_t count, const Body& body) {
-  tbb::parallel_for(std::size_t{0}, (count + kCellsABlock - 1) / kCellsABlock, [&](std::size_t block) {
+  parallel_for(std::size_t{0}, (count + kCellsABlock - 1) / kCellsABlock, [&](std::size_t block) {
     for (std::size_t i = block * kCellsABlock; i < std::min(count, (block + 1) * kCellsABlock); ++i) body(i);
   });
 }

@@ -1,7 +1,5 @@
 #include "render/environment/bandwidth.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,11 +9,11 @@
 #include "render/environment/wavelet_bandwidth.h"
 #include "render/math/shared_formulas.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kMinWidth = 32;
 constexpr std::size_t kMaxWidth = 4096;
 constexpr std::size_t kMaxCells = 256;
@@ -60,13 +58,13 @@ Map working_map(const Environment& environment) {
     return top * (1.0f - fy) + bottom * fy;
   };
   if (map.values.size() == environment.rgb.size() && nx == 1 && ny == 1) {
-    tbb::parallel_for(std::size_t{0}, map.height, [&](std::size_t y) {
+    parallel_for(std::size_t{0}, map.height, [&](std::size_t y) {
       const glm::vec3* row = &environment.rgb[y * map.width];
       for (std::size_t x = 0; x < map.width; ++x) map.values[y * map.width + x] = luminance(row[x]);
     });
     return map;
   }
-  tbb::parallel_for(std::size_t{0}, map.height, [&](std::size_t y) {
+  parallel_for(std::size_t{0}, map.height, [&](std::size_t y) {
     for (std::size_t x = 0; x < map.width; ++x) {
       float sum = 0.0f;
       for (int j = 0; j < ny; ++j)
@@ -110,7 +108,7 @@ Cells make_cells(const Map& map) {
   cells.along_row.assign(cells.count() * levels, 0.0f);
   cells.along_column.assign(cells.count() * levels, 0.0f);
   std::vector<float> means(cells.count());
-  tbb::parallel_for(std::size_t{0}, cells.height, [&](std::size_t cy) {
+  parallel_for(std::size_t{0}, cells.height, [&](std::size_t cy) {
     for (std::size_t cx = 0; cx < cells.width; ++cx) {
       float sum = 0.0f;
       for (std::size_t y = cy * cells.side; y < (cy + 1) * cells.side; ++y)
@@ -142,7 +140,7 @@ Cells make_cells(const Map& map) {
 void add_rows(const Map& map, int clip, Cells& cells) {
   const float threshold = cells.thresholds[static_cast<std::size_t>(clip)];
   const auto levels = static_cast<std::size_t>(cells.level_count);
-  tbb::parallel_for(std::size_t{0}, cells.height, [&](std::size_t cy) {
+  parallel_for(std::size_t{0}, cells.height, [&](std::size_t cy) {
     const int* clips = &cells.clip[cy * cells.width];
     if (std::find(clips, clips + cells.width, clip) == clips + cells.width) return;
     LevelEnergies pyramid(map.width, cells.level_count);
@@ -166,7 +164,7 @@ void add_columns(const Map& map, int clip, Cells& cells) {
   const float threshold = cells.thresholds[static_cast<std::size_t>(clip)];
   const auto levels = static_cast<std::size_t>(cells.level_count);
   const std::size_t half = cells.width / 2;
-  tbb::parallel_for(std::size_t{0}, half, [&](std::size_t cx) {
+  parallel_for(std::size_t{0}, half, [&](std::size_t cx) {
     bool used = false;
     for (std::size_t cy = 0; cy < cells.height && !used; ++cy)
       used = cells.clip[cy * cells.width + cx] == clip || cells.clip[cy * cells.width + cx + half] == clip;
@@ -234,7 +232,8 @@ class AxisSpectra {
 /// Bandwidths of the cells of row cy.
 void find_row(const Cells& cells, const LevelSpectrum& spectrum, double samples_per_rad, std::size_t cy,
               EnvironmentTables& tables) {
-  const double sin_theta = std::sin(kPi * (static_cast<double>(cy) + 0.5) / static_cast<double>(cells.height));
+  const double sin_theta =
+      std::sin(std::numbers::pi * (static_cast<double>(cy) + 0.5) / static_cast<double>(cells.height));
   const double stretch = std::min(1.0 / sin_theta, kMaxStretch);
   const std::size_t first = cy * cells.width, level = first * static_cast<std::size_t>(cells.level_count);
   std::vector<double> negligible(cells.width);
@@ -274,8 +273,8 @@ void compute_bandwidth(const Environment& environment, EnvironmentTables& tables
     add_columns(map, clip, cells);
   }
   const LevelSpectrum spectrum(cells.level_count);
-  tbb::parallel_for(std::size_t{0}, cells.height, [&](std::size_t cy) {
-    find_row(cells, spectrum, static_cast<double>(map.width) / (2.0 * kPi), cy, tables);
+  parallel_for(std::size_t{0}, cells.height, [&](std::size_t cy) {
+    find_row(cells, spectrum, static_cast<double>(map.width) / (2.0 * std::numbers::pi), cy, tables);
   });
 }
 

@@ -1,17 +1,14 @@
 #include "render/environment/importance.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Importance and luminance of a texel, summed over the three rows that contribute to the cell's bilinear radiance.
 struct Weighted {
@@ -86,16 +83,16 @@ RowWeights row_weights(int y, int width, int height) {
   // 16-point midpoint rule over half a cell: relative error below 1e-4 of a weight in the polar row, far less
   // elsewhere.
   constexpr int kPoints = 16;
-  const double row_rad = kPi / height;
+  const double row_rad = std::numbers::pi / height;
   RowWeights weights;
   for (int i = 0; i < 2 * kPoints; ++i) {
     const double t = (i + 0.5) / (2 * kPoints);  // 0 at the top of the cell, texel centre at 0.5
-    const double measure = std::sin((y + t) * row_rad) * row_rad / (2 * kPoints) * 2.0 * kPi / width;
+    const double measure = std::sin((y + t) * row_rad) * row_rad / (2 * kPoints) * 2.0 * std::numbers::pi / width;
     weights.above += measure * std::max(0.5 - t, 0.0);
     weights.below += measure * std::max(t - 0.5, 0.0);
     weights.here += measure * (1.0 - std::abs(t - 0.5));
   }
-  const double exact = 2.0 * kPi / width * (std::cos(y * row_rad) - std::cos((y + 1) * row_rad));
+  const double exact = 2.0 * std::numbers::pi / width * (std::cos(y * row_rad) - std::cos((y + 1) * row_rad));
   const double scale = exact / weights.solid_angle();
   return {weights.above * scale, weights.here * scale, weights.below * scale};
 }
@@ -110,7 +107,7 @@ void compute_importance(const Environment& environment, EnvironmentTables& table
   tables.density.resize(height * width);
   std::vector<double> row_sums(height), row_luminance(height);
   const auto conditional = [&](std::size_t y) { return &tables.conditional_cdf[y * (width + 1)]; };
-  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+  parallel_for(std::size_t{0}, height, [&](std::size_t y) {
     std::vector<double> cells(width);
     row_luminance[y] = integrate_row(environment, static_cast<int>(y), cells);
     for (const double cell : cells) row_sums[y] += cell;
@@ -124,7 +121,7 @@ void compute_importance(const Environment& environment, EnvironmentTables& table
   }
   write_cdf(row_sums, total, tables.marginal_cdf.data());
   // The density of the rounded prefix sums, because these are what is sampled.
-  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+  parallel_for(std::size_t{0}, height, [&](std::size_t y) {
     const double solid_angle = row_weights(static_cast<int>(y), environment.width, environment.height).solid_angle();
     const double scale = row_sums[y] > 0.0 ? step_of(tables.marginal_cdf.data(), y) / solid_angle : 0.0;
     for (std::size_t x = 0; x < width; ++x)

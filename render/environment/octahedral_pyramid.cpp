@@ -1,18 +1,16 @@
 #include "render/environment/octahedral_pyramid.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
 
 #include "render/math/shared_formulas.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kTaskCount = 4;  ///< partial sums of the finest level, one per task
 
 /// Adds rows [begin, end) of the environment to the cells, each texel as split x split parts.
@@ -20,12 +18,14 @@ void splat(const Environment& environment, int begin, int end, int split, int si
   const int width = environment.width * split, height = environment.height * split;
   std::vector<glm::vec2> headings(static_cast<std::size_t>(width));  // sine and cosine of the longitude
   for (int x = 0; x < width; ++x) {
-    const auto longitude = static_cast<float>(kPi - 2.0 * kPi * (x + 0.5) / width);
+    const auto longitude = static_cast<float>(std::numbers::pi - 2.0 * std::numbers::pi * (x + 0.5) / width);
     headings[static_cast<std::size_t>(x)] = {std::sin(longitude), std::cos(longitude)};
   }
   for (int y = begin * split; y < end * split; ++y) {
-    const double theta = kPi * (y + 0.5) / height;
-    const double solid_angle = 2.0 * kPi / width * (std::cos(kPi * y / height) - std::cos(kPi * (y + 1) / height));
+    const double theta = std::numbers::pi * (y + 0.5) / height;
+    const double solid_angle =
+        2.0 * std::numbers::pi / width *
+        (std::cos(std::numbers::pi * y / height) - std::cos(std::numbers::pi * (y + 1) / height));
     const auto sin_theta = static_cast<float>(std::sin(theta)), cos_theta = static_cast<float>(std::cos(theta));
     const glm::vec3* row =
         &environment.rgb[static_cast<std::size_t>(y / split) * static_cast<std::size_t>(environment.width)];
@@ -52,7 +52,7 @@ OctahedralPyramid::OctahedralPyramid(const Environment& environment, int max_sid
       environment.width >= 8 * finest.side ? 1 : std::max(2, 4 * finest.side / std::max(1, environment.width));
   const auto count = static_cast<std::size_t>(finest.side) * static_cast<std::size_t>(finest.side);
   std::vector<std::vector<glm::dvec4>> partial(kTaskCount, std::vector<glm::dvec4>(count, glm::dvec4(0.0)));
-  tbb::parallel_for(0, kTaskCount, [&](int task) {
+  parallel_for(0, kTaskCount, [&](int task) {
     splat(environment, environment.height * task / kTaskCount, environment.height * (task + 1) / kTaskCount, split,
           finest.side, partial[static_cast<std::size_t>(task)]);
   });

@@ -1,11 +1,10 @@
 #include "render/environment/packed_sky.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "render/math/shared_formulas.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -56,7 +55,7 @@ PackedSky pack_sky(const Environment& environment, int bias, int refinement) {
   const auto columns = static_cast<std::size_t>(sky.columns), from = static_cast<std::size_t>(width);
   const float step = 1.0f / static_cast<float>(refinement);
   sky.words.resize(columns * static_cast<std::size_t>(sky.last_row + 1));
-  tbb::parallel_for(tbb::blocked_range<int>(0, sky.last_row + 1, 8), [&](const auto& rows) {
+  parallel_ranges<int>(0, sky.last_row + 1, 8, [&](const auto& rows) {
     std::vector<glm::vec3> row(from);
     for (int y = rows.begin(); y < rows.end(); ++y) {
       const int v = between ? y - refinement / 2 : y;  // sub-texels above the first texel's centre

@@ -1,7 +1,5 @@
 #include "render/environment/prefilter.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -13,15 +11,15 @@
 
 #include "render/environment/octahedral_pyramid.h"
 #include "scenes/files.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kSampleCount = 192;
 /// Each sample averages over this multiple of its share of the lobe, so that neighbours overlap and leave no pattern.
 constexpr double kOverlap = 2.0;
-constexpr int kCacheVersion = 2;
+constexpr int kPrefilterVersion = 2;
 /// Cells along a side: each sample of a cosine lobe averages over at least 2 pi / kSampleCount sr, which is 43 of these
 /// cells.
 constexpr int kDiffuseCells = 128;
@@ -45,7 +43,8 @@ std::vector<LobeSample> sample_lobe(const std::function<double(double)>& kernel,
     const double begin = theta_at(static_cast<double>(i) / kSteps), end = theta_at(static_cast<double>(i + 1) / kSteps);
     const double middle = 0.5 * (begin + end);
     cumulated[static_cast<std::size_t>(i) + 1] =
-        cumulated[static_cast<std::size_t>(i)] + 2.0 * kPi * kernel(middle) * std::sin(middle) * (end - begin);
+        cumulated[static_cast<std::size_t>(i)] +
+        2.0 * std::numbers::pi * kernel(middle) * std::sin(middle) * (end - begin);
   }
   const double total = cumulated.back();
   std::vector<LobeSample> samples;
@@ -55,7 +54,7 @@ std::vector<LobeSample> sample_lobe(const std::function<double(double)>& kernel,
     while (cumulated[step + 1] < target) ++step;
     const double part = (target - cumulated[step]) / (cumulated[step + 1] - cumulated[step]);
     const double theta = theta_at((static_cast<double>(step) + part) / kSteps);
-    const double phi = kPi * (3.0 - std::sqrt(5.0)) * i;
+    const double phi = std::numbers::pi * (3.0 - std::sqrt(5.0)) * i;
     samples.push_back(
         {glm::vec3(glm::dvec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta))),
          static_cast<float>(kOverlap * total / (kSampleCount * std::max(kernel(theta), 1e-300 * total)))});
@@ -66,7 +65,7 @@ std::vector<LobeSample> sample_lobe(const std::function<double(double)>& kernel,
 Image convolve(const OctahedralPyramid& pyramid, const std::vector<LobeSample>& lobe, int width) {
   const int height = width / 2;
   Image image(width, height, 3);
-  tbb::parallel_for(0, height, [&](int y) {
+  parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const glm::vec3 n(direction_from_latlong(x + 0.5, y + 0.5, width, height));
       const glm::vec3 tangent =
@@ -84,7 +83,7 @@ Image convolve(const OctahedralPyramid& pyramid, const std::vector<LobeSample>& 
 
 /// Power of two with about one texel per lobe width.
 int map_width(double lobe_rad, int largest) {
-  const double texels = std::min(2.0 * kPi / lobe_rad, 65536.0);
+  const double texels = std::min(2.0 * std::numbers::pi / lobe_rad, 65536.0);
   return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(texels))), 32, largest);
 }
 
@@ -93,7 +92,7 @@ Image mirror_map(const Environment& environment) {
   const int factor = (environment.width + 1023) / 1024;
   const int width = std::max(1, environment.width / factor), height = std::max(1, environment.height / factor);
   Image image(width, height, 3);
-  tbb::parallel_for(0, height, [&](int y) {
+  parallel_for(0, height, [&](int y) {
     const int begin_y = static_cast<int>(static_cast<long long>(y) * environment.height / height);
     const int end_y =
         std::max(begin_y + 1, static_cast<int>(static_cast<long long>(y + 1) * environment.height / height));
@@ -150,12 +149,12 @@ std::vector<Image> through_cache(const char* kind, const Environment& environmen
                                  const std::function<std::vector<Image>()>& compute) {
   if (environment.hash == 0) return compute();
   const std::uint64_t key = content_hash(std::as_bytes(parameters), environment.hash);
-  if (const auto bytes = cache_load(kind, kCacheVersion, key)) {
+  if (const auto bytes = cache_load(kind, kPrefilterVersion, key)) {
     std::vector<Image> maps = unpack(*bytes, parameters.size());
     if (!maps.empty()) return maps;
   }
   std::vector<Image> maps = compute();
-  cache_store(kind, kCacheVersion, key, pack(maps));
+  cache_store(kind, kPrefilterVersion, key, pack(maps));
   return maps;
 }
 
@@ -184,7 +183,8 @@ std::vector<Image> prefilter_ggx(const Environment& environment, int level_count
         const double c = std::cos(0.5 * theta), d = c * c * (a2 - 1.0) + 1.0;
         return a2 / (d * d) * std::max(0.0, std::cos(theta));
       };
-      maps.push_back(convolve(pyramid, sample_lobe(kernel, kPi / 2.0), map_width(static_cast<double>(alphas[i]), 256)));
+      maps.push_back(convolve(pyramid, sample_lobe(kernel, std::numbers::pi / 2.0),
+                              map_width(static_cast<double>(alphas[i]), 256)));
     }
     return maps;
   });
@@ -213,14 +213,14 @@ Image prefilter_diffuse(const Environment& environment) {
   return through_cache("prefilter-diffuse", environment, parameters, [&] {
     const auto kernel = [](double theta) { return std::cos(theta); };
     return std::vector<Image>{
-        convolve(OctahedralPyramid(environment, kDiffuseCells), sample_lobe(kernel, kPi / 2.0), 32)};
+        convolve(OctahedralPyramid(environment, kDiffuseCells), sample_lobe(kernel, std::numbers::pi / 2.0), 32)};
   })[0];
 }
 
 Image split_sum_table(int size) {
   constexpr int kSamples = 512;
   Image table(size, size, 2);
-  tbb::parallel_for(0, size, [&](int y) {
+  parallel_for(0, size, [&](int y) {
     const double roughness = (y + 0.5) / size, alpha = roughness * roughness;
     for (int x = 0; x < size; ++x) {
       const double nv = (x + 0.5) / size;
@@ -228,7 +228,7 @@ Image split_sum_table(int size) {
       double scale = 0.0, bias = 0.0;
       for (int i = 0; i < kSamples; ++i) {
         // Half vectors with density D cos(h): uniform in the cumulative energy, golden angles in azimuth.
-        const double u = (i + 0.5) / kSamples, phi = kPi * (3.0 - std::sqrt(5.0)) * i;
+        const double u = (i + 0.5) / kSamples, phi = std::numbers::pi * (3.0 - std::sqrt(5.0)) * i;
         const double cos_h = std::sqrt((1.0 - u) / (1.0 + (alpha * alpha - 1.0) * u)),
                      sin_h = std::sqrt(1.0 - cos_h * cos_h);
         const glm::dvec3 h(sin_h * std::cos(phi), sin_h * std::sin(phi), cos_h);

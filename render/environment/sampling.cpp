@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -8,11 +7,10 @@
 #include "render/environment/environment_tables.h"
 #include "render/environment/texel_cell.h"
 #include "render/math/low_discrepancy.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The 3 x 3 texels of a map around one; rows are clamped at the poles, columns wrap.
 class TexelsAround {
@@ -125,19 +123,20 @@ class CellSampler {
     const glm::dvec2 heading = known ? heading_near(cell.x, position.x) : heading_of(cell.x + position.x);
     return {glm::vec3(glm::dvec3(heading.x * r, up, heading.y * r)),
             static_cast<float>(mean > 0.0 ? cell.density * cell.shape.at(position) / mean : cell.density),
-            static_cast<float>(cell.x + position.x), static_cast<float>(std::acos(up) / kPi * tables_.height)};
+            static_cast<float>(cell.x + position.x),
+            static_cast<float>(std::acos(up) / std::numbers::pi * tables_.height)};
   }
 
  private:
-  double height_of(int y) const { return std::cos(kPi * y / tables_.height); }
+  double height_of(int y) const { return std::cos(std::numbers::pi * y / tables_.height); }
   glm::dvec2 heading_of(double x) const {
-    const double longitude = kPi - 2.0 * kPi * x / tables_.width;
+    const double longitude = std::numbers::pi - 2.0 * std::numbers::pi * x / tables_.width;
     return {std::sin(longitude), std::cos(longitude)};
   }
   /// The same at a position in [0, 1] of a column: rotated from its centre by a Taylor series up to the seventh power;
   /// the next terms are below 1e-15 for kMinColumns.
   glm::dvec2 heading_near(int column, double position) const {
-    const double d = 2.0 * kPi * (0.5 - position) / tables_.width, d2 = d * d;
+    const double d = 2.0 * std::numbers::pi * (0.5 - position) / tables_.width, d2 = d * d;
     const double sine = d * (1.0 - d2 * (1.0 / 6.0 - d2 * (1.0 / 120.0 - d2 * (1.0 / 5040.0))));
     const double cosine = 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0 - d2 * (1.0 / 720.0)));
     const glm::dvec2& center = centers_[static_cast<std::size_t>(column)];
@@ -193,7 +192,7 @@ std::vector<EnvironmentSample> sample_environment(const Environment& environment
   const CellSampler cells(environment, tables, true);
   // In batches, step by step, so that the batch prefetches the memory of all its samples.
   constexpr std::size_t kBatchSize = 32;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 2048), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, count, 2048, [&](const auto& range) {
     std::array<EnvironmentPoint, kBatchSize> points;
     std::array<EnvironmentDirection, kBatchSize> directions;
     std::vector<CellSampler::Cell> drawn_from;

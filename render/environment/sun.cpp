@@ -11,7 +11,6 @@
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Limit of the solid angle of all suns together: four of 2 degrees diameter.
 constexpr double kLargestSun_sr = 0.004;
 
@@ -24,7 +23,7 @@ struct SunTexel {
 /// Integral of cos(latitude) over the tent around row y's centre, over the texels' extents: the tent's second moment
 /// reduces it by 1/12 of the square of a row.
 double tent_cosine(double y, const Environment& e) {
-  const double row = kPi / e.height, half = 0.5 * row;
+  const double row = std::numbers::pi / e.height, half = 0.5 * row;
   const double tent = std::pow(std::sin(half) / half, 2.0);  // transform of the tent at one cycle of the cosine
   return std::sin((y + 0.5) * row) * tent;
 }
@@ -36,7 +35,8 @@ EnvironmentSample sample_texel(const Environment& e, const SunTexel& texel, doub
   const double x = static_cast<double>(texel.x) + 0.5 + warp_tent(u),
                y = static_cast<double>(texel.y) + 0.5 + warp_tent(v);
   const glm::dvec3 direction = direction_from_latlong(x, y, e.width, e.height);
-  const double texel_sr = 2.0 * kPi * kPi / (static_cast<double>(e.width) * e.height) * std::sin(kPi * y / e.height);
+  const double texel_sr = 2.0 * std::numbers::pi * std::numbers::pi / (static_cast<double>(e.width) * e.height) *
+                          std::sin(std::numbers::pi * y / e.height);
   const double pdf = texel.power / integral / texel_sr;
   EnvironmentSample s;
   s.direction = glm::vec3(direction);
@@ -64,7 +64,7 @@ std::optional<Sun> find_sun(const Environment& environment, double luminance_int
   if (!(luminance_integral > 0.0)) return std::nullopt;
   const double sun_luminance = static_cast<double>(shared::kSunDensity) * luminance_integral;
   const auto width = static_cast<std::size_t>(environment.width), height = static_cast<std::size_t>(environment.height);
-  const double texel_sr = 2.0 * kPi * kPi / static_cast<double>(width * height);
+  const double texel_sr = 2.0 * std::numbers::pi * std::numbers::pi / static_cast<double>(width * height);
   std::vector<SunTexel> texels;
   double solid_angle = 0.0, power = 0.0, dimmest = INFINITY, brightest = 0.0, brightest_other = 0.0;
   for (std::size_t y = 0; y < height; ++y)
@@ -112,7 +112,7 @@ std::optional<Sun> find_sun(const Environment& environment, double luminance_int
                                   environment.height);
   };
   for (const SunTexel& t : texels)
-    sun.compact = sun.compact && glm::dot(direction(t), direction(texels[0])) > std::cos(kPi / 90.0);
+    sun.compact = sun.compact && glm::dot(direction(t), direction(texels[0])) > std::cos(std::numbers::pi / 90.0);
   auto rest = std::make_shared<Environment>(environment);
   for (const SunTexel& t : texels) rest->rgb[t.y * width + t.x] = glm::vec3(0.0f);
   sun.rest = std::move(rest);

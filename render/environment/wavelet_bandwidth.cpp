@@ -12,7 +12,6 @@
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kBinsPerOctave = 4;
 constexpr int kIterations = 60;
 constexpr std::size_t kLanes = 8;
@@ -44,7 +43,8 @@ void filter(const std::array<float, 4>& taps, const float* signal, std::size_t n
 /// |H(f)|^2 / 2: share of a tone's energy that the low-pass keeps. The detail gets the rest.
 double low_share(double frequency) {
   std::complex<double> sum = 0.0;
-  for (int k = 0; k < 4; ++k) sum += static_cast<double>(kDaubechies4[k]) * std::polar(1.0, -2.0 * kPi * frequency * k);
+  for (int k = 0; k < 4; ++k)
+    sum += static_cast<double>(kDaubechies4[k]) * std::polar(1.0, -2.0 * std::numbers::pi * frequency * k);
   return std::norm(sum) / 2.0;
 }
 

@@ -1,8 +1,5 @@
 #include "render/indirect/indirect_light.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +8,7 @@
 #include "render/indirect/sky_rays.h"
 #include "render/math/shared_formulas.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -154,7 +152,7 @@ TwoSided direct_irradiance(const VisibilityBits& bits, const glm::vec3& normal, 
 
 template <typename Body>
 void for_slots(std::size_t count, const std::atomic<bool>& cancel, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, count, 256, [&](const auto& range) {
     if (cancel) return;
     for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
   });
@@ -218,7 +216,7 @@ SkyCells splat_sky(const IndirectSky& sky) {
   // A fixed number of parts, added in order, so that the sum does not depend on the number of threads.
   constexpr int kParts = 16;
   std::vector<std::array<CellSum, kCells>> parts(kParts);
-  tbb::parallel_for(0, kParts, [&](int part) {
+  parallel_for(0, kParts, [&](int part) {
     splat_rows(sky, rows * part / kParts, rows * (part + 1) / kParts, &parts[static_cast<std::size_t>(part)]);
   });
   SkyCells cells;

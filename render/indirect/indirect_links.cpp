@@ -1,8 +1,5 @@
 #include "render/indirect/indirect_links.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +7,7 @@
 #include "render/reference/path_scene.h"
 #include "render/reference/surface.h"
 #include "render/reference/traversal.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -122,7 +120,7 @@ class Tracer {
   double share_of_backs() const {
     const std::size_t count = links_.points.points.size(), step = std::max<std::size_t>(count / kProbedPoints, 1);
     std::atomic<std::uint32_t> backs{0}, all{0};
-    tbb::parallel_for(std::size_t{0}, 2 * (count / step), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, 2 * (count / step), [&](std::size_t k) {
       const IndirectStart start = indirect_start(links_, k / 2 * step, k % 2 == 0 ? 0 : 1);
       std::uint32_t met = 0, behind = 0;
       for (int r = 0; r < kProbingRays; ++r) {
@@ -182,7 +180,7 @@ class Tracer {
     prepare(rays);
     const std::size_t count = links_.points.points.size();
     std::atomic<std::size_t> done{0};
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kPointsPerTask), [&](const auto& range) {
+    parallel_ranges<std::size_t>(0, count, kPointsPerTask, [&](const auto& range) {
       if (cancel) return;
       for (std::size_t i = range.begin(); i != range.end(); ++i)
         for (int side = 0; side < links_.sides; ++side) trace_point(i, side);

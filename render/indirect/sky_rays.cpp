@@ -1,8 +1,5 @@
 #include "render/indirect/sky_rays.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,12 +7,13 @@
 #include "render/math/shared_formulas.h"
 #include "render/reference/path_scene.h"
 #include "render/reference/traversal.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr std::size_t kRayBudget = std::size_t{1} << 22;
+constexpr std::size_t kSkyRayBudget = std::size_t{1} << 22;
 constexpr std::size_t kLeastRays = 4, kMostRays = 64;
 /// Samples of the sky; each point takes a run of them.
 constexpr std::size_t kSamples = std::size_t{1} << 14;
@@ -62,8 +60,8 @@ std::vector<glm::vec3> error_of_maps(const IndirectLinks& links, const Visibilit
   if (!links.scene || count == 0) return error;
   const std::vector<SkySample> samples = sample_sky(sky);
   if (samples.empty()) return error;
-  const std::size_t rays = std::clamp(kRayBudget / (count * sides), kLeastRays, kMostRays);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
+  const std::size_t rays = std::clamp(kSkyRayBudget / (count * sides), kLeastRays, kMostRays);
+  parallel_ranges<std::size_t>(0, count, 64, [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end() && !cancel; ++i) {
       const std::uint32_t vertex = links.vertex_of_point[i];
       if (vertex == kNoPoint) continue;

@@ -10,10 +10,9 @@ namespace maquette {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double texel_solid_angle(const Environment& e, int y) {
-  return 2.0 * kPi / e.width * (std::cos(kPi * y / e.height) - std::cos(kPi * (y + 1) / e.height));
+  return 2.0 * std::numbers::pi / e.width *
+         (std::cos(std::numbers::pi * y / e.height) - std::cos(std::numbers::pi * (y + 1) / e.height));
 }
 
 /// Environment rotation turns it about +Y, positive from +Z towards +X.
@@ -30,7 +29,7 @@ double luminance_at(const Environment& e, int x, int y) {
 }  // namespace
 
 glm::dvec3 direction_of(double elevation_deg, double azimuth_deg) {
-  const double e = elevation_deg * kPi / 180.0, a = azimuth_deg * kPi / 180.0;
+  const double e = elevation_deg * std::numbers::pi / 180.0, a = azimuth_deg * std::numbers::pi / 180.0;
   return {std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)};
 }
 
@@ -50,7 +49,7 @@ SunPlace find_sun(const Environment& e, double rotation_rad) {
       }
     }
   SunPlace sun;
-  if (!(peak > kOutshines * sum / (4.0 * kPi))) return sun;
+  if (!(peak > kOutshines * sum / (4.0 * std::numbers::pi))) return sun;
   glm::dvec3 middle(0.0);
   for (int y = std::max(at_y - kReach, 0); y <= std::min(at_y + kReach, e.height - 1); ++y)
     for (int x = at_x - kReach; x <= at_x + kReach; ++x)
@@ -58,8 +57,8 @@ SunPlace find_sun(const Environment& e, double rotation_rad) {
         middle += l * texel_solid_angle(e, y) * direction_from_latlong(x + 0.5, y + 0.5, e.width, e.height);
   sun.found = true;
   sun.direction = rotated(glm::normalize(middle), rotation_rad);
-  sun.elevation_deg = std::asin(std::clamp(sun.direction.y, -1.0, 1.0)) * 180.0 / kPi;
-  sun.azimuth_deg = std::atan2(sun.direction.x, sun.direction.z) * 180.0 / kPi;
+  sun.elevation_deg = std::asin(std::clamp(sun.direction.y, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+  sun.azimuth_deg = std::atan2(sun.direction.x, sun.direction.z) * 180.0 / std::numbers::pi;
   return sun;
 }
 

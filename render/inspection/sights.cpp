@@ -1,8 +1,5 @@
 #include "render/inspection/sights.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +7,7 @@
 #include "render/inspection/light_on_pane.h"
 #include "render/reference/surface.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -150,7 +148,7 @@ std::optional<PaneLight> light_on_pane(const PathScene& scene, const Environment
   std::vector<Sum> sums(chosen.size());
   const std::vector<DistantLight> lights =
       distant_lights(environment, static_cast<double>(rotation_rad), static_cast<double>(env_scale));
-  tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t k) {
+  parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t k) {
     const Facet& f = chosen[k];
     const glm::dvec3 view = glm::normalize(inside_m - f.middle);
     const Ray towards{glm::vec3(f.middle + 0.01 * view), glm::vec3(-view)};

@@ -1,13 +1,12 @@
 #include "render/lights/light_grid.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "render/math/wide.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -383,7 +382,7 @@ LightGrid build_light_grid(const LightList& list) {
   grid.lux.assign(count, 0.0f);
   grid.lux_of_triangles.assign(count, 0.0f);
   const Emitters emitters = emitters_of(grid.lights, powers, box);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { fill_cell(tree, emitters, box, i, &grid); });
+  parallel_for(std::size_t{0}, count, [&](std::size_t i) { fill_cell(tree, emitters, box, i, &grid); });
   return grid;
 }
 

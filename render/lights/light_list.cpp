@@ -19,7 +19,6 @@ static_assert(sizeof(LightRecord) == 64 && offsetof(LightRecord, kind) == 12 &&
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Most texture lookups along each side of a triangle: 48 x 48 / 2 average a display of 1,000 texels well.
 constexpr int kMaxTextureSteps = 48;
 
@@ -115,7 +114,7 @@ WeightedLight make_triangle(const Scene& scene, const FlatGeometry& geometry, co
                               mean_emissive_texture(scene, material.emissive_texture, uv);
   const double area = 0.5 * glm::length(glm::cross(e1, e2));
   const double sides = material.double_sided ? 2.0 : 1.0;
-  light.power = sides * kPi * area * luminance(radiance);
+  light.power = sides * std::numbers::pi * area * luminance(radiance);
   light.record.position = glm::vec3(a);
   light.record.kind = shared::kLightTriangle;
   light.record.direction = glm::vec3(e1);
@@ -172,19 +171,19 @@ WeightedLight make_punctual(const PunctualLight& light, const glm::mat4& world_f
   switch (light.kind) {
     case PunctualLight::Kind::directional:
       out.record.kind = shared::kLightDirectional;
-      out.power = y * kPi * radius * radius;
+      out.power = y * std::numbers::pi * radius * radius;
       break;
     case PunctualLight::Kind::point:
       out.record.kind = shared::kLightPoint;
-      out.power = y * 4.0 * kPi;
+      out.power = y * 4.0 * std::numbers::pi;
       break;
     case PunctualLight::Kind::spot: {
-      const double outer = std::clamp(static_cast<double>(light.outer_cone_rad), 0.0, 0.5 * kPi);
+      const double outer = std::clamp(static_cast<double>(light.outer_cone_rad), 0.0, 0.5 * std::numbers::pi);
       const double inner = std::clamp(static_cast<double>(light.inner_cone_rad), 0.0, outer);
       out.record.kind = shared::kLightSpot;
       out.record.edge2 = glm::vec3(std::cos(inner), std::cos(outer), 0.0);
       // Integral of the squared linear ramp in cos: a third of the penumbra.
-      out.power = y * 2.0 * kPi * (1.0 - std::cos(inner) + (std::cos(inner) - std::cos(outer)) / 3.0);
+      out.power = y * 2.0 * std::numbers::pi * (1.0 - std::cos(inner) + (std::cos(inner) - std::cos(outer)) / 3.0);
       break;
     }
   }

@@ -1,7 +1,7 @@
-#include <tbb/parallel_for.h>
 
 #include "render/materials/brdf_tables.h"
 #include "render/materials/symmetric_brdf.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -64,7 +64,7 @@ glm::dvec3 albedo_at(const SymmetricBrdf& brdf, double theta_o) {
 
 void compute_albedo(const SymmetricBrdf& brdf, BrdfTables& tables) {
   tables.albedo.resize(kAlbedoCount);
-  tbb::parallel_for(0, kAlbedoCount, [&](int i) {
+  parallel_for(0, kAlbedoCount, [&](int i) {
     // The limit at the horizon is evaluated just above it.
     const double theta_o = std::min(i * kHalfPi / (kAlbedoCount - 1), kHalfPi - 1e-3);
     tables.albedo[static_cast<std::size_t>(i)] = glm::vec3(albedo_at(brdf, theta_o));

@@ -1,13 +1,13 @@
 #include "render/materials/bandwidth.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "render/materials/symmetric_brdf.h"
 #include "render/math/daubechies4.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -184,14 +184,14 @@ std::vector<float> compute_bandwidth(const BrdfTable& brdf) {
   const Resampler half_resampler(half_axis.spectrum.sample_angles(), true);
   const Resampler difference_resampler(difference_axis.spectrum.sample_angles(), false);
   tbb::enumerable_thread_specific<AxisWork> half_work(half_axis), difference_work(difference_axis);
-  tbb::parallel_for(0, kThetaDCount, [&](int theta_d) {
+  parallel_for(0, kThetaDCount, [&](int theta_d) {
     AxisWork& work = half_work.local();
     work.spectrum.clear();
     add_signals(brdf, true, theta_d, half_resampler, work);
     for (int h = 0; h < kThetaHCount; ++h)
       at(h, theta_d) = static_cast<float>(0.5 * work.spectrum.frequency_95(theta_h_centre(h)));
   });
-  tbb::parallel_for(0, kThetaHCount, [&](int theta_h) {
+  parallel_for(0, kThetaHCount, [&](int theta_h) {
     AxisWork& work = difference_work.local();
     work.spectrum.clear();
     add_signals(brdf, false, theta_h, difference_resampler, work);
@@ -205,7 +205,7 @@ std::vector<float> compute_bandwidth(const BrdfTable& brdf) {
 
 std::vector<float> ggx_bandwidth() {
   std::vector<float> bandwidth(std::size_t{kGgxBandwidthCount} * kThetaHCount);
-  tbb::parallel_for(0, kGgxBandwidthCount, [&](int i) {
+  parallel_for(0, kGgxBandwidthCount, [&](int i) {
     LocalSpectrum spectrum(kFineLevels);
     const Resampler resampler(spectrum.sample_angles(), true);
     const double alpha = ggx_bandwidth_alpha(i);

@@ -1,13 +1,12 @@
 #include "render/materials/brdf_tables.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include <cstring>
 #include <span>
 
 #include "render/materials/bandwidth.h"
 #include "render/materials/symmetric_brdf.h"
 #include "scenes/files.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -56,8 +55,8 @@ std::optional<BrdfTables> from_bytes(std::span<const std::byte> bytes) {
 BrdfTables compute_brdf_tables(const BrdfTable& brdf) {
   BrdfTables tables;
   const SymmetricBrdf symmetric(brdf);
-  tbb::parallel_invoke([&] { compute_importance(symmetric, tables); }, [&] { compute_albedo(symmetric, tables); },
-                       [&] { tables.bandwidth = compute_bandwidth(brdf); });
+  parallel_invoke([&] { compute_importance(symmetric, tables); }, [&] { compute_albedo(symmetric, tables); },
+                  [&] { tables.bandwidth = compute_bandwidth(brdf); });
   return tables;
 }
 

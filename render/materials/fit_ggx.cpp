@@ -1,22 +1,23 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <span>
 
 #include "render/materials/brdf_tables.h"
 #include "render/materials/fit_samples.h"
 #include "render/materials/symmetric_brdf.h"
 #include "scenes/files.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr int kVersion = 1;
-constexpr const char* kKind = "ggx-fit";
+constexpr int kGgxVersion = 1;
+constexpr const char* kGgxKind = "ggx-fit";
 constexpr double kMinAlpha = 0.003;
 constexpr int kAlphaCount = 16;
 
@@ -33,7 +34,7 @@ std::vector<Basis> make_basis(const std::vector<FitSample>& samples, double alph
   for (const FitSample& s : samples) {
     const double c2 = s.cos_h * s.cos_h, t = c2 * a2 + (1.0 - c2);
     const auto masking = [&](double c) { return 1.0 / (c + std::sqrt(a2 + (1.0 - a2) * c * c)); };
-    const double lobe = a2 / (kPi * t * t) * masking(s.cos_i) * masking(s.cos_o);
+    const double lobe = a2 / (std::numbers::pi * t * t) * masking(s.cos_i) * masking(s.cos_o);
     const double schlick = std::pow(1.0 - s.cos_d, 5.0);
     basis.push_back({lobe * (1.0 - schlick), lobe * schlick});
   }
@@ -49,7 +50,7 @@ Channel fit_channel(const std::vector<FitSample>& samples, const std::vector<Bas
   const auto error_of = [&](double diffuse, double f0) {
     double sum = 0.0;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const double root = std::cbrt(diffuse / kPi + f0 * basis[i].specular + basis[i].grazing);
+      const double root = std::cbrt(diffuse / std::numbers::pi + f0 * basis[i].specular + basis[i].grazing);
       sum += samples[i].weight * (root - samples[i].root[channel]) * (root - samples[i].root[channel]);
     }
     return sum;
@@ -60,9 +61,10 @@ Channel fit_channel(const std::vector<FitSample>& samples, const std::vector<Bas
   for (int iteration = 0; iteration < 12; ++iteration) {
     double jj[3] = {}, jr[2] = {};
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const double root = std::cbrt(std::max(fit.diffuse / kPi + fit.f0 * basis[i].specular + basis[i].grazing, 1e-9));
+      const double root =
+          std::cbrt(std::max(fit.diffuse / std::numbers::pi + fit.f0 * basis[i].specular + basis[i].grazing, 1e-9));
       const double slope = 1.0 / (3.0 * root * root), residual = samples[i].root[channel] - root;
-      const double a = slope / kPi, b = slope * basis[i].specular, w = samples[i].weight;
+      const double a = slope / std::numbers::pi, b = slope * basis[i].specular, w = samples[i].weight;
       jj[0] += w * a * a;
       jj[1] += w * a * b;
       jj[2] += w * b * b;
@@ -95,7 +97,7 @@ Fit fit_alpha(const std::vector<FitSample>& samples, double alpha) {
 }
 double error_of(const Fit& fit) { return fit[0].error + fit[1].error + fit[2].error; }
 
-GgxFit compute_fit(const BrdfTable& brdf) {
+GgxFit compute_ggx_fit(const BrdfTable& brdf) {
   const std::vector<FitSample> samples = fit_samples(brdf);
   const double ratio = std::log(1.0 / kMinAlpha) / (kAlphaCount - 1);
   std::vector<double> alphas;
@@ -103,7 +105,7 @@ GgxFit compute_fit(const BrdfTable& brdf) {
   std::vector<Fit> fits(alphas.size());
   const auto run = [&](std::size_t begin) {
     fits.resize(alphas.size());
-    tbb::parallel_for(begin, alphas.size(), [&](std::size_t i) { fits[i] = fit_alpha(samples, alphas[i]); });
+    parallel_for(begin, alphas.size(), [&](std::size_t i) { fits[i] = fit_alpha(samples, alphas[i]); });
   };
   const auto best = [&] {
     std::size_t b = 0;
@@ -137,14 +139,14 @@ GgxFit compute_fit(const BrdfTable& brdf) {
 GgxFit fit_ggx(const BrdfTable& brdf) {
   GgxFit fit;
   if (brdf.hash != 0) {
-    const auto bytes = cache_load(kKind, kVersion, brdf.hash);
+    const auto bytes = cache_load(kGgxKind, kGgxVersion, brdf.hash);
     if (bytes && bytes->size() == sizeof fit) {
       std::memcpy(static_cast<void*>(&fit), bytes->data(), sizeof fit);
       return fit;
     }
   }
-  fit = compute_fit(brdf);
-  if (brdf.hash != 0) cache_store(kKind, kVersion, brdf.hash, std::as_bytes(std::span(&fit, 1)));
+  fit = compute_ggx_fit(brdf);
+  if (brdf.hash != 0) cache_store(kGgxKind, kGgxVersion, brdf.hash, std::as_bytes(std::span(&fit, 1)));
   return fit;
 }
 

@@ -1,6 +1,7 @@
 #include "render/materials/fit_samples.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "render/materials/symmetric_brdf.h"
 
@@ -18,7 +19,7 @@ std::vector<FitSample> fit_samples(const BrdfTable& brdf) {
         s.theta_h_bin = h;
         s.cos_h = std::cos(theta_h);
         s.cos_d = std::cos(theta_d);
-        const double across = sin_h * std::sin(theta_d) * std::cos((p + 0.5) / kPhiDCount * kPi);
+        const double across = sin_h * std::sin(theta_d) * std::cos((p + 0.5) / kPhiDCount * std::numbers::pi);
         s.cos_i = s.cos_h * s.cos_d - across;
         s.cos_o = s.cos_h * s.cos_d + across;
         if (s.cos_i <= 0.0 || s.cos_o <= 0.0) continue;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "render/materials/brdf_tables.h"
@@ -15,8 +16,8 @@ namespace maquette {
 
 namespace {
 
-constexpr int kVersion = 1;
-constexpr const char* kKind = "sg-fit";
+constexpr int kSgVersion = 1;
+constexpr const char* kSgKind = "sg-fit";
 constexpr int kLobes = 3;
 constexpr int kParameters = 1 + 2 * kLobes;
 using Vector = Eigen::Matrix<double, kParameters, 1>;
@@ -99,7 +100,7 @@ double descend(const Profile& profile, Vector& parameters) {
       tried[1 + 2 * l] = std::clamp(tried[1 + 2 * l], -20.0, 20.0);
       tried[2 + 2 * l] = std::clamp(tried[2 + 2 * l], -2.3, 18.4);
     }
-    tried[0] = std::clamp(tried[0], -20.0, std::log(1.0 / kPi));
+    tried[0] = std::clamp(tried[0], -20.0, std::log(1.0 / std::numbers::pi));
     const double tried_error = residual_squares(profile, tried, nullptr, nullptr);
     if (tried_error < error) {
       const bool converged = tried_error > error * (1.0 - 1e-7);
@@ -115,7 +116,7 @@ double descend(const Profile& profile, Vector& parameters) {
   return error;
 }
 
-SgFit compute_fit(const BrdfTable& brdf) {
+SgFit compute_sg_fit(const BrdfTable& brdf) {
   // Starts from very glossy to dull; the best result is kept.
   constexpr double kStarts[][kLobes] = {
       {1e5, 5e3, 1e2}, {1e4, 5e2, 2e1}, {2e3, 1e2, 1e1}, {1e2, 1e1, 2.0}, {2e5, 3e4, 3e3}};
@@ -133,7 +134,7 @@ SgFit compute_fit(const BrdfTable& brdf) {
     double best_error = std::numeric_limits<double>::infinity();
     for (const auto& start : kStarts) {
       Vector p;
-      p[0] = std::log(std::min(low, 0.9 / kPi));
+      p[0] = std::log(std::min(low, 0.9 / std::numbers::pi));
       for (int l = 0; l < kLobes; ++l) {
         p[1 + 2 * l] = std::log(peak) - 2.0 * l;
         p[2 + 2 * l] = std::log(start[l]);
@@ -146,7 +147,7 @@ SgFit compute_fit(const BrdfTable& brdf) {
     }
     std::array<int, kLobes> order = {0, 1, 2};
     std::sort(order.begin(), order.end(), [&](int a, int b) { return best[2 + 2 * a] > best[2 + 2 * b]; });
-    fit.diffuse[channel] = static_cast<float>(kPi * std::exp(best[0]));
+    fit.diffuse[channel] = static_cast<float>(std::numbers::pi * std::exp(best[0]));
     for (std::size_t l = 0; l < kLobes; ++l) {
       fit.lobes[l].amplitude[channel] = static_cast<float>(std::exp(best[1 + 2 * order[l]]));
       fit.lobes[l].sharpness[channel] = static_cast<float>(std::exp(best[2 + 2 * order[l]]));
@@ -168,17 +169,17 @@ struct StoredFit {
 
 SgFit fit_sg(const BrdfTable& brdf) {
   if (brdf.hash != 0) {
-    const auto bytes = cache_load(kKind, kVersion, brdf.hash);
+    const auto bytes = cache_load(kSgKind, kSgVersion, brdf.hash);
     if (bytes && bytes->size() == sizeof(StoredFit)) {
       StoredFit stored;
       std::memcpy(static_cast<void*>(&stored), bytes->data(), sizeof stored);
       return {stored.diffuse, {std::begin(stored.lobes), std::end(stored.lobes)}, stored.relative_error};
     }
   }
-  SgFit fit = compute_fit(brdf);
+  SgFit fit = compute_sg_fit(brdf);
   if (brdf.hash != 0) {
     StoredFit stored{fit.diffuse, {fit.lobes[0], fit.lobes[1], fit.lobes[2]}, fit.relative_error};
-    cache_store(kKind, kVersion, brdf.hash, std::as_bytes(std::span(&stored, 1)));
+    cache_store(kSgKind, kSgVersion, brdf.hash, std::as_bytes(std::span(&stored, 1)));
   }
   return fit;
 }

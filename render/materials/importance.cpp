@@ -1,12 +1,13 @@
-#include <tbb/parallel_for.h>
 
 #include <array>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "render/materials/brdf_sampler.h"
 #include "render/materials/brdf_tables.h"
 #include "render/materials/symmetric_brdf.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -54,7 +55,7 @@ ElevationGrid make_rows(int elevation) {
       }
     }
     // Between the tested corners the limit may be slightly larger.
-    row.phi_max = std::min(kPi, row.phi_max + 0.01);
+    row.phi_max = std::min(std::numbers::pi, row.phi_max + 0.01);
     grid.rows.push_back(row);
   }
   return grid;
@@ -254,7 +255,7 @@ void partition_phi(const ElevationGrid& grid, double t_begin, double t_end, std:
 void compute_importance(const SymmetricBrdf& brdf, BrdfTables& tables) {
   tables.theta_cells.resize(std::size_t{kElevationCount} * kThetaCellCount);
   tables.phi_cells.resize(tables.theta_cells.size() * kPhiCellCount);
-  tbb::parallel_for(0, kElevationCount, [&](int elevation) {
+  parallel_for(0, kElevationCount, [&](int elevation) {
     const ElevationGrid grid = make_grid(brdf, elevation);
     const std::vector<double> edges = partition_theta(grid, shared::BrdfSampler(tables));
     std::size_t row = 0;

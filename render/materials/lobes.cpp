@@ -1,13 +1,13 @@
 #include "render/materials/lobes.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "render/materials/brdf_sampler.h"
 #include "render/materials/symmetric_brdf.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -26,7 +26,7 @@ glm::dvec3 median_of(const BrdfTable& brdf, const glm::dvec3& wo) {
   std::array<std::array<double, kMedianSamples>, 3> values;
   for (int k = 0; k < kMedianSamples; ++k) {
     const glm::dvec2 u(point_of_unit_square(k));
-    const double phi = 2.0 * kPi * u.y, r = std::sqrt(u.x);
+    const double phi = 2.0 * std::numbers::pi * u.y, r = std::sqrt(u.x);
     const glm::dvec3 f = evaluate_brdf(brdf, {r * std::cos(phi), r * std::sin(phi), std::sqrt(1.0 - u.x)}, wo);
     for (int c = 0; c < 3; ++c) values[static_cast<std::size_t>(c)][static_cast<std::size_t>(k)] = f[c];
   }
@@ -110,7 +110,7 @@ BrdfLobe lobe_at(const BrdfTable& brdf, const BrdfTables& tables, int i) {
 
 std::vector<BrdfLobe> compute_lobes(const BrdfTable& brdf, const BrdfTables& tables) {
   std::vector<BrdfLobe> lobes(kAlbedoCount);
-  tbb::parallel_for(0, kAlbedoCount, [&](int i) { lobes[static_cast<std::size_t>(i)] = lobe_at(brdf, tables, i); });
+  parallel_for(0, kAlbedoCount, [&](int i) { lobes[static_cast<std::size_t>(i)] = lobe_at(brdf, tables, i); });
   return lobes;
 }
 

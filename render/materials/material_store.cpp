@@ -1,7 +1,5 @@
 #include "render/materials/material_store.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,7 @@
 #include "render/materials/lobes.h"
 #include "render/math/shared_formulas.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -21,7 +20,7 @@ constexpr std::size_t kPhiTexels = kThetaTexels * kPhiCellCount;
 
 std::vector<std::uint32_t> pack(const BrdfTable& brdf) {
   std::vector<std::uint32_t> words(brdf.rgb.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words.size(), 16200), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, words.size(), 16200, [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) words[i] = shared::pack_rgb9e5(brdf.rgb[i], kBrdfBias);
   });
   return words;
@@ -123,7 +122,7 @@ BrdfTable MaterialStore::read_table(std::size_t slot) const {
   brdf.name = entries_[slot].source;
   brdf.hash = entries_[slot].hash;
   brdf.rgb.resize(words.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words.size(), 16200), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, words.size(), 16200, [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) brdf.rgb[i] = shared::unpack_rgb9e5(words[i], kBrdfBias);
   });
   return brdf;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <vector>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -41,7 +41,7 @@ template <typename Texel>
 MipLevel halve(int width, int height, const Texel& texel) {
   MipLevel out{std::max(1, width / 2), std::max(1, height / 2), {}};
   out.texels.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
-  tbb::parallel_for(0, out.height, [&](int y) {
+  parallel_for(0, out.height, [&](int y) {
     const MipSpan rows(y, out.height, height);
     glm::vec4* target = &out.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width)];
     for (int x = 0; x < out.width; ++x) {

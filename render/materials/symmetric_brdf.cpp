@@ -1,6 +1,8 @@
 #include "render/materials/symmetric_brdf.h"
 
-#include <tbb/parallel_for.h>
+#include <numbers>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -8,7 +10,7 @@ SymmetricBrdf::SymmetricBrdf(const BrdfTable& table) {
   constexpr int kRows = kThetaHCount * kThetaDCount;
   rgb.resize(static_cast<std::size_t>(kRows) * kHalfPhiD);
   luminance.resize(rgb.size());
-  tbb::parallel_for(0, kThetaHCount, [&](int theta_h) {
+  parallel_for(0, kThetaHCount, [&](int theta_h) {
     for (int row = theta_h * kThetaDCount; row < (theta_h + 1) * kThetaDCount; ++row) {
       const glm::vec3* in = &table.rgb[static_cast<std::size_t>(row) * kPhiDCount];
       const std::size_t out = static_cast<std::size_t>(row) * kHalfPhiD;
@@ -25,7 +27,7 @@ double largest_phi_h(double theta_h, double theta_o) {
   // theta_h).
   const double a = std::sin(theta_o) * std::sin(2.0 * theta_h);
   const double b = std::cos(theta_o) * std::cos(2.0 * theta_h);
-  if (b >= a) return kPi;
+  if (b >= a) return std::numbers::pi;
   if (b <= -a) return 0.0;
   return std::acos(-b / a);
 }

@@ -13,7 +13,6 @@ namespace maquette {
 
 inline constexpr int kHalfPhiD = kPhiDCount / 2;
 inline constexpr double kHalfPi = 1.57079632679489661923;
-inline constexpr double kPi = 3.14159265358979323846;
 
 /// A table averaged with its mirror image (phi_d and pi - phi_d): half the entries, enough for integrals over both
 /// sides of the plane of incidence. Internal to the derivation of tables.

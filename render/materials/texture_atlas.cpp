@@ -7,6 +7,7 @@
 
 #include "render/materials/mip_chain.h"
 #include "render/materials/texels.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -24,7 +25,7 @@ int append_mips(const TextureImage& image, bool srgb, std::vector<glm::uvec2>* t
   const auto append = [&](int width, int height, const auto& texel) {
     const std::size_t first = texels->size();
     texels->resize(first + static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    tbb::parallel_for(0, height, [&](int y) {
+    parallel_for(0, height, [&](int y) {
       glm::uvec2* row = texels->data() + first + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
       for (int x = 0; x < width; ++x) row[x] = encode(texel(x, y), srgb);
     });

@@ -1,14 +1,13 @@
 #include "render/math/local_pca.h"
 
-#include <tbb/parallel_for.h>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <random>
+
+#include "scenes/linear_algebra.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -32,23 +31,20 @@ Eigen::MatrixXf leading_vectors(const Eigen::MatrixXf& x, Eigen::Index count, st
     std::normal_distribution<float> normal;
     Eigen::MatrixXf q(x.cols(), std::min(most, count + kOversampling));
     for (Eigen::Index i = 0; i < q.size(); ++i) q.data()[i] = normal(random);
-    const auto orthonormal = [](const Eigen::MatrixXf& m) {
-      return Eigen::MatrixXf(Eigen::HouseholderQR<Eigen::MatrixXf>(m).householderQ() *
-                             Eigen::MatrixXf::Identity(m.rows(), m.cols()));
-    };
-    Eigen::MatrixXf left = orthonormal(x * q);
-    for (int round = 0; round < kPowerRounds; ++round) left = orthonormal(x * orthonormal(x.transpose() * left));
+    Eigen::MatrixXf left = orthonormal_columns(x * q);
+    for (int round = 0; round < kPowerRounds; ++round)
+      left = orthonormal_columns(x * orthonormal_columns(x.transpose() * left));
     const Eigen::MatrixXf small = left.transpose() * x;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((small * small.transpose()).cast<double>());
+    const SymmetricEigen solver((small * small.transpose()).cast<double>());
     return left * solver.eigenvectors().rightCols(count).rowwise().reverse().cast<float>();
   }
   // The smaller of the two Gram matrices, in double, because the eigenvalues are squares.
   const Eigen::MatrixXd wide = x.cast<double>();
   if (x.rows() <= x.cols()) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(wide * wide.transpose());
+    const SymmetricEigen solver(wide * wide.transpose());
     return solver.eigenvectors().rightCols(count).rowwise().reverse().cast<float>();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(wide.transpose() * wide);
+  const SymmetricEigen solver(wide.transpose() * wide);
   Eigen::MatrixXd vectors = wide * solver.eigenvectors().rightCols(count).rowwise().reverse();
   const double largest = vectors.col(0).norm();
   Eigen::Index kept = 0;
@@ -114,7 +110,7 @@ LocalPca LocalPca::fit(const Eigen::MatrixXf& samples, const Eigen::VectorXf& me
   std::vector<double> errors(count, 0.0);
   for (int round = 0; round < kLloydRounds + options.rounds; ++round) {
     if (options.stop && options.stop()) break;
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       errors[i] = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < pca.clusters_.size(); ++k) {
         const Cluster& cluster = pca.clusters_[k];
@@ -140,7 +136,7 @@ LocalPca LocalPca::fit(const Eigen::MatrixXf& samples, const Eigen::VectorXf& me
       errors[worst] = 0.0;
     }
     const int components = round < kLloydRounds ? 0 : options.components;
-    tbb::parallel_for(std::size_t{0}, members.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, members.size(), [&](std::size_t k) {
       pca.clusters_[k] = fit_cluster(scaled, members[k], components, options.seed + static_cast<std::uint32_t>(k));
     });
   }

@@ -1,15 +1,13 @@
 #include "render/math/local_pca_fit.h"
 
-#include <tbb/parallel_for.h>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cassert>
 #include <limits>
 #include <random>
 
 #include "render/math/cluster_members.h"
+#include "scenes/linear_algebra.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -25,21 +23,20 @@ constexpr int kFullIterations = 2;  ///< of the subspace, in full dimension
 /// From so many dimensions on the sketch's subspace is sought at random: the eigenvectors of the whole matrix would
 /// cost more than all the rest.
 constexpr Index kRandomDimensions = 1025;
-constexpr Index kRandomSamples = 4096, kOversampling = 16;
-constexpr int kPowerRounds = 2;
+constexpr Index kRandomSamples = 4096, kFitOversampling = 16;
+constexpr int kFitPowerRounds = 2;
 
 Index block_count(Index columns) { return (columns + kBlock - 1) / kBlock; }
 
 template <typename Work>
 void for_blocks(Index columns, const Work& work) {
-  tbb::parallel_for(Index{0}, block_count(columns),
-                    [&](Index b) { work(b * kBlock, std::min(kBlock, columns - b * kBlock)); });
+  parallel_for(Index{0}, block_count(columns),
+               [&](Index b) { work(b * kBlock, std::min(kBlock, columns - b * kBlock)); });
 }
 
 void orthonormalize(Eigen::MatrixXf* m) {
   if (m->cols() == 0) return;
-  const Eigen::HouseholderQR<Eigen::MatrixXf> qr(*m);
-  *m = qr.householderQ() * Eigen::MatrixXf::Identity(m->rows(), m->cols());
+  *m = orthonormal_columns(*m);
 }
 
 void fix_signs(Eigen::MatrixXf* basis) {
@@ -53,7 +50,7 @@ void fix_signs(Eigen::MatrixXf* basis) {
 /// Orthonormal eigenvectors of a symmetric matrix with the largest eigenvalues, those of zero left out.
 Eigen::MatrixXf leading(const Eigen::MatrixXd& matrix, Index count) {
   if (matrix.rows() == 0) return Eigen::MatrixXf(0, 0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  const SymmetricEigen solver(matrix);
   const Eigen::VectorXd& values = solver.eigenvalues();
   Index kept = 0;
   while (kept < std::min(count, values.size()) &&
@@ -71,11 +68,11 @@ struct Subspace {
 /// Randomness", Alg. 4.4 and 5.1.
 Subspace random_subspace(const Eigen::MatrixXf& x, Index count, std::uint32_t seed) {
   std::mt19937 random(seed);
-  Eigen::MatrixXf start(x.cols(), std::min({count + kOversampling, x.rows(), x.cols()}));
+  Eigen::MatrixXf start(x.cols(), std::min({count + kFitOversampling, x.rows(), x.cols()}));
   for (Index i = 0; i < start.size(); ++i) start.data()[i] = static_cast<float>(random()) / 2147483648.0f - 1.0f;
   Eigen::MatrixXf range = x * start;
   orthonormalize(&range);
-  for (int round = 0; round < kPowerRounds; ++round) {
+  for (int round = 0; round < kFitPowerRounds; ++round) {
     range = x * (x.transpose() * range);
     orthonormalize(&range);
   }
@@ -226,7 +223,7 @@ class LocalPcaFitter {
 
   void update(int components) {
     const auto members = members_of_clusters(fit_.owner, clusters_.size(), &errors_);
-    tbb::parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t k) {
       Eigen::VectorXd mean = Eigen::VectorXd::Zero(small_.rows());
       for (const Index i : members[k]) mean += small_.col(i).cast<double>();
       mean /= static_cast<double>(members[k].size());
@@ -250,7 +247,7 @@ class LocalPcaFitter {
     const auto members = members_of_clusters(fit_.owner, clusters_.size(), &errors_);
     const auto count = static_cast<Index>(clusters_.size()), dimensions = scaled_.rows();
     Eigen::MatrixXf means(dimensions, count), bases = Eigen::MatrixXf::Zero(dimensions, count * options_.components);
-    tbb::parallel_for(Index{0}, count, [&](Index k) {
+    parallel_for(Index{0}, count, [&](Index k) {
       const auto& own = members[static_cast<std::size_t>(k)];
       Eigen::MatrixXf x(dimensions, static_cast<Index>(own.size()));
       Eigen::VectorXd mean = Eigen::VectorXd::Zero(dimensions);

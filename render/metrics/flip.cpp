@@ -1,7 +1,5 @@
 #include "render/metrics/flip.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
@@ -11,6 +9,7 @@
 
 #include "render/metrics/flip_filters.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace {
@@ -199,7 +198,7 @@ Image flip_hdr_map(const Image& image, const Image& reference, double pixels_per
   if (exposures.black) return map;
   const Filters filters(pixels_per_degree);
   std::mutex mutex;
-  tbb::parallel_for(0, exposures.count, [&](int i) {
+  parallel_for(0, exposures.count, [&](int i) {
     const double ev = exposures.start_ev + (exposures.stop_ev - exposures.start_ev) * i / (exposures.count - 1);
     const auto scale = static_cast<float>(std::exp2(ev));
     // Beyond 1e4 the curve is saturated; larger values would overflow when squared.

@@ -8,8 +8,6 @@
 namespace maquette::flip {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// The two Gaussians a sqrt(pi / b) exp(-pi^2 x^2 / b) of a channel, x in degrees.
 struct Sensitivity {
   double a1, b1, a2, b2;
@@ -23,7 +21,7 @@ std::vector<double> gaussian_taps(int radius, double pixels_per_degree, double b
   std::vector<double> taps;
   for (int i = -radius; i <= radius; ++i) {
     const double x = i / pixels_per_degree;
-    taps.push_back(std::exp(-kPi * kPi * x * x / b));
+    taps.push_back(std::exp(-std::numbers::pi * std::numbers::pi * x * x / b));
   }
   return taps;
 }
@@ -59,7 +57,7 @@ Kernel balanced(int radius, const std::function<double(double)>& shape) {
 }  // namespace
 
 std::array<SpatialFilter, 3> spatial_filters(double pixels_per_degree) {
-  const double widest_sigma = std::sqrt(kWidest / (2.0 * kPi * kPi));
+  const double widest_sigma = std::sqrt(kWidest / (2.0 * std::numbers::pi * std::numbers::pi));
   const int radius = static_cast<int>(std::ceil(3.0 * widest_sigma * pixels_per_degree));
   std::array<SpatialFilter, 3> filters;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -68,8 +66,8 @@ std::array<SpatialFilter, 3> spatial_filters(double pixels_per_degree) {
     const std::vector<double> second = gaussian_taps(radius, pixels_per_degree, s.b2);
     const double sum1 = sum(first), sum2 = sum(second);
     // In two dimensions the weight of a Gaussian is the square of its taps' sum.
-    const double weight1 = s.a1 * std::sqrt(kPi / s.b1) * sum1 * sum1;
-    const double weight2 = s.a2 * std::sqrt(kPi / s.b2) * sum2 * sum2;
+    const double weight1 = s.a1 * std::sqrt(std::numbers::pi / s.b1) * sum1 * sum1;
+    const double weight2 = s.a2 * std::sqrt(std::numbers::pi / s.b2) * sum2 * sum2;
     const double total = weight1 + weight2;
     filters[c].first = scaled(first, std::sqrt(weight1 / total) / sum1);
     if (s.a2 > 0.0) filters[c].second = scaled(second, std::sqrt(weight2 / total) / sum2);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "render/math/shared_formulas.h"
 #include "render/octree/octree_shared.h"
@@ -15,7 +16,6 @@ namespace {
 using shared::kCellDirections;
 using shared::kCellPairs;
 
-constexpr double kPi = 3.14159265358979323846;
 /// Added to GGX's alpha in quadrature: between directions that are 0.36 rad apart half vectors spread by 0.12 rad on
 /// each axis, and alpha is that times the square root of 2.
 constexpr float kLobeWidening = 0.16f;
@@ -149,7 +149,8 @@ CellDirection::CellDirection(const glm::vec3& direction) : d(direction) {
 
 glm::mat3 cell_frame(const glm::vec3& normal, const CellRotation& turn) {
   const glm::mat3 f = basis_of(glm::normalize(normal));
-  const float angle = static_cast<float>(2.0 * kPi / (1 << CellRotation::kBits)) * static_cast<float>(turn.steps);
+  const float angle =
+      static_cast<float>(2.0 * std::numbers::pi / (1 << CellRotation::kBits)) * static_cast<float>(turn.steps);
   const float c = std::cos(angle), s = std::sin(angle), side = turn.mirrored ? -1.0f : 1.0f;
   return {c * f[0] + s * f[1], side * (c * f[1] - s * f[0]), f[2]};
 }
@@ -172,22 +173,36 @@ CellRotation find_cell_rotation(std::span<const CellSample> samples, const glm::
     along += s.area * t * std::abs(t);
     across += s.area * b * std::abs(b);
   }
-  if (along < 0.0) angle += kPi;
+  if (along < 0.0) angle += std::numbers::pi;
   constexpr int kSteps = 1 << CellRotation::kBits;
-  const auto steps = static_cast<int>(std::lround(angle / (2.0 * kPi) * kSteps));
+  const auto steps = static_cast<int>(std::lround(angle / (2.0 * std::numbers::pi) * kSteps));
   return {static_cast<std::uint32_t>(steps & (kSteps - 1)), (along < 0.0) != (across < 0.0)};
 }
 
 CellMaterial::CellMaterial(const Material& material, std::shared_ptr<const BrdfTable> table)
     : material_(material), table_(std::move(table)), glows_(material.emissive != glm::vec3(0.0f) || material.unlit) {
   const Material& m = material_;
-  const float numbers[] = {m.base_color.r,     m.base_color.g,       m.base_color.b,
-                           m.metallic,         m.roughness,          m.ior,
-                           m.specular,         m.specular_color.r,   m.specular_color.g,
-                           m.specular_color.b, m.clearcoat,          m.clearcoat_roughness,
-                           m.sheen_color.r,    m.sheen_color.g,      m.sheen_color.b,
-                           m.sheen_roughness,  m.iridescence,        m.iridescence_ior,
-                           m.iridescence_greatest_nm, glows_ ? 1.0f : 0.0f, m.tint_measured ? 1.0f : 0.0f};
+  const float numbers[] = {m.base_color.r,
+                           m.base_color.g,
+                           m.base_color.b,
+                           m.metallic,
+                           m.roughness,
+                           m.ior,
+                           m.specular,
+                           m.specular_color.r,
+                           m.specular_color.g,
+                           m.specular_color.b,
+                           m.clearcoat,
+                           m.clearcoat_roughness,
+                           m.sheen_color.r,
+                           m.sheen_color.g,
+                           m.sheen_color.b,
+                           m.sheen_roughness,
+                           m.iridescence,
+                           m.iridescence_ior,
+                           m.iridescence_greatest_nm,
+                           glows_ ? 1.0f : 0.0f,
+                           m.tint_measured ? 1.0f : 0.0f};
   content_ = content_hash(std::as_bytes(std::span(numbers)), table_ ? table_->hash : 0u);
 }
 
@@ -330,7 +345,8 @@ std::span<const float> cell_solid_angles() {
     double total = 0.0;
     for (double s : sums) total += s;
     std::array<float, kCellDirections> result;
-    for (std::size_t i = 0; i < sums.size(); ++i) result[i] = static_cast<float>(sums[i] * 4.0 * kPi / total);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      result[i] = static_cast<float>(sums[i] * 4.0 * std::numbers::pi / total);
     return result;
   }();
   return angles;
@@ -344,7 +360,7 @@ Eigen::VectorXf cell_brdf_measure() {
       // A pair represents both orders. Radiance is the integral over l, hence the factor pi between it and E.
       const float both =
           (i == j ? 1.0f : 2.0f) * omega[static_cast<std::size_t>(i)] * omega[static_cast<std::size_t>(j)];
-      for (int c = 0; c < 3; ++c) measure[3 * pair + c] = static_cast<float>(kPi) * both;
+      for (int c = 0; c < 3; ++c) measure[3 * pair + c] = static_cast<float>(std::numbers::pi) * both;
     }
     measure[3 * kCellPairs + i] = omega[static_cast<std::size_t>(i)];
   }

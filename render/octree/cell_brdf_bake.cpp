@@ -2,8 +2,6 @@
 // the rest while baking.
 #include "render/octree/cell_brdf_bake.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -13,6 +11,7 @@
 #include "render/octree/cell_rays.h"
 #include "render/octree/octree_shared.h"
 #include "scenes/files.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -211,10 +210,10 @@ Eigen::VectorXf bake_flat(const CellMaterial& material, const SharedKey& key) {
   return compute_cell_brdf(std::span(&sample, 1), std::span(&f, 1), glm::mat3(1.0f), {});
 }
 
-class Bake {
+class CellBake {
  public:
-  Bake(const CellBrdfSource& source, const CellBrdfOptions& options, const CellBrdfs* before,
-       const CellBrdfProgress& progress)
+  CellBake(const CellBrdfSource& source, const CellBrdfOptions& options, const CellBrdfs* before,
+           const CellBrdfProgress& progress)
       : source_(source),
         options_(options),
         before_(before),
@@ -248,7 +247,7 @@ class Bake {
  private:
   void encode_all(double begin) {
     std::size_t done = 0;
-    tbb::parallel_for(std::size_t{0}, codes_.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, codes_.size(), [&](std::size_t i) {
       if (cancelled()) return;
       const BrickCells cells(source_, pieces_, codes_[i]);
       const std::uint64_t key = cells.key(source_.bricks.bricks.at(codes_[i]).key);
@@ -282,7 +281,7 @@ class Bake {
     Training training;
     std::vector<std::vector<std::uint32_t>> own(codes_.size());
     std::size_t done = 0;
-    tbb::parallel_for(std::size_t{0}, codes_.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, codes_.size(), [&](std::size_t i) {
       if (cancelled()) return;
       const BrickCells cells(source_, pieces_, codes_[i]);
       std::map<SharedKey, const CellMaterial*> flat;
@@ -319,7 +318,7 @@ class Bake {
       if (k == 0 || training.own[k].first != training.own[k - 1].first) begins.push_back(k);
     begins.push_back(training.own.size());
     std::size_t done = 0;
-    tbb::parallel_for(std::size_t{0}, begins.size() - 1, [&](std::size_t b) {
+    parallel_for(std::size_t{0}, begins.size() - 1, [&](std::size_t b) {
       if (cancelled()) return;
       const BrickCells cells(source_, pieces_, codes_[training.own[begins[b]].first]);
       std::size_t at = 0;
@@ -474,7 +473,7 @@ std::size_t CellBrdfs::shared_count() const {
 
 std::optional<CellBrdfs> bake_cell_brdfs(const CellBrdfSource& source, const CellBrdfOptions& options,
                                          const CellBrdfs* before, const CellBrdfProgress& progress) {
-  return Bake(source, options, before, progress).run();
+  return CellBake(source, options, before, progress).run();
 }
 
 }  // namespace maquette

@@ -10,8 +10,8 @@ namespace maquette {
 
 namespace {
 
-constexpr const char* kKind = "octree_brdf";
-constexpr const char* kVersion = "3";
+constexpr const char* kCellKind = "octree_brdf";
+constexpr const char* kCellVersion = "3";
 constexpr std::size_t kWeights = 4;
 constexpr std::uint32_t kMirrored = 1u << CellRotation::kBits;  ///< flag in the column `turn`
 
@@ -24,8 +24,8 @@ bool has(const BakeFile& file, const std::string& name, const std::string& value
 
 void save_cell_brdf_file(const std::string& path, const CellBrdfs& brdfs, const std::string& scene, bool complete) {
   BakeFile file;
-  file.attributes = {{"kind", kKind},
-                     {"version", kVersion},
+  file.attributes = {{"kind", kCellKind},
+                     {"version", kCellVersion},
                      {"scene", scene},
                      {"complete", complete ? "1" : "0"},
                      {"fit_loss", std::to_string(brdfs.fit_loss)}};
@@ -68,8 +68,9 @@ void save_cell_brdf_file(const std::string& path, const CellBrdfs& brdfs, const 
 
 CellBrdfFile load_cell_brdf_file(const std::string& path) {
   const BakeFile file = load_bake_file(path);
-  if (!has(file, "kind", kKind)) throw Error(path, "the bake holds no cell BRDFs");
-  if (!has(file, "version", kVersion)) throw Error(path, "the cell BRDFs are of another version", "bake them again");
+  if (!has(file, "kind", kCellKind)) throw Error(path, "the bake holds no cell BRDFs");
+  if (!has(file, "version", kCellVersion))
+    throw Error(path, "the cell BRDFs are of another version", "bake them again");
   const Error inconsistent(path, "the tables of the cell BRDFs do not fit together", "bake them again");
   const auto& means = file.floats(path, "means", "value");
   const auto& components = file.floats(path, "components", "value");

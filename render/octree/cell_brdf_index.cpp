@@ -1,5 +1,4 @@
 // Around the bake of cell BRDFs: the materials that it reads, and what it made by the nodes of an octree.
-#include <tbb/parallel_for.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +9,7 @@
 #include "render/btf/btf_source.h"
 #include "render/octree/cell_brdf_bake.h"
 #include "scenes/files.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -25,7 +25,7 @@ std::vector<CellMaterial> make_cell_materials(const std::vector<Material>& mater
     result.emplace_back(m, table);
   }
   result.emplace_back(Material{});
-  tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) { result[i].make_grid(); });
+  parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) { result[i].make_grid(); });
   return result;
 }
 

@@ -1,7 +1,5 @@
 #include "render/octree/octree_build.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -16,6 +14,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -28,7 +27,7 @@ std::uint32_t encode_morton(const glm::ivec3& p) {
   return code;
 }
 
-glm::ivec3 decode_morton(std::uint32_t code) {
+glm::ivec3 decode_brick(std::uint32_t code) {
   glm::ivec3 p(0);
   for (int bit = 0; bit < 10; ++bit)
     for (int axis = 0; axis < 3; ++axis) p[axis] |= static_cast<int>(code >> (3 * bit + axis) & 1u) << bit;
@@ -138,7 +137,7 @@ class Builder {
     return content_hash(std::as_bytes(std::span(data)), hash);
   }
 
-  glm::ivec3 brick_lower(std::uint32_t code) const { return decode_morton(code) << levels_; }
+  glm::ivec3 brick_lower(std::uint32_t code) const { return decode_brick(code) << levels_; }
 
   /// The pieces of all triangles in the leaves of a brick.
   OctreeFragments clip(std::uint32_t code, std::span<const Triangle> triangles) const {
@@ -296,7 +295,7 @@ class Builder {
     }
     const double spread = 1.0 - glm::length(normal) / all;
     const double size = std::exp2(levels_ - pieces[0].level);
-    const double section = plane_section_area(normal, centroid / all, glm::dvec3(decode_morton(pieces[0].code)), size);
+    const double section = plane_section_area(normal, centroid / all, glm::dvec3(decode_brick(pieces[0].code)), size);
     return std::max({spread / kSpread, (1.0 - same / all) / kOtherMaterial,
                      (section - all) / (kOpenShare * size * size), contrast_of(pieces, corners, brick_lower) / kStops});
   }
@@ -343,7 +342,7 @@ class Builder {
         for (std::uint32_t k = 0; k < f.corner_count; ++k)
           polygon.corners[k] = glm::dvec3(fragments->corners[f.first_corner + k]) + glm::dvec3(brick_lower);
         current = {3 * f.triangle, f.item};
-        clipper.clip(polygon, decode_morton(f.code) + brick_lower, level);
+        clipper.clip(polygon, decode_brick(f.code) + brick_lower, level);
       }
     }
     // Pieces of cells that are not split keep their corners.
@@ -433,7 +432,7 @@ std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, cons
   std::size_t done = 0;
   std::atomic<bool> fits = true;
   const auto cancelled = [&] { return progress.cancel && *progress.cancel; };
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
+  parallel_for(std::size_t{0}, count, [&](std::size_t b) {
     const std::span<const Triangle> triangles(bins.triangles.data() + bins.begin[b], bins.begin[b + 1] - bins.begin[b]);
     if (cancelled() || triangles.empty() || (!fits && out.grid.detail > 0)) return;
     OctreeBricks::Entry entry;

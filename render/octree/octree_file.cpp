@@ -15,8 +15,8 @@ namespace maquette {
 
 namespace {
 
-constexpr const char* kKind = "octree";
-constexpr int kVersion = 6;
+constexpr const char* kOctreeKind = "octree";
+constexpr int kOctreeVersion = 6;
 constexpr std::size_t kSumFloats = 10 + 4 * OctreeSums::kMaterials;
 constexpr std::size_t kLevels = kOctreeMaxLevels + 1;
 
@@ -66,8 +66,8 @@ int whole_number(const std::string& path, const BakeFile& file, const std::strin
 void save_octree_file(const std::string& path, const OctreeBricks& bricks, const std::string& scene, bool complete) {
   const OctreeGrid& grid = bricks.grid;
   BakeFile file;
-  file.attributes = {{"kind", kKind},
-                     {"version", std::to_string(kVersion)},
+  file.attributes = {{"kind", kOctreeKind},
+                     {"version", std::to_string(kOctreeVersion)},
                      {"scene", scene},
                      {"complete", complete ? "1" : "0"},
                      {"depth", std::to_string(grid.depth)},
@@ -114,8 +114,8 @@ void save_octree_file(const std::string& path, const OctreeBricks& bricks, const
 OctreeFile load_octree_file(const std::string& path) {
   const BakeFile file = load_bake_file(path);
   const auto kind = file.attributes.find("kind");
-  if (kind == file.attributes.end() || kind->second != kKind) throw Error(path, "the bake is not an octree");
-  whole_number(path, file, "version", kVersion, kVersion);
+  if (kind == file.attributes.end() || kind->second != kOctreeKind) throw Error(path, "the bake is not an octree");
+  whole_number(path, file, "version", kOctreeVersion, kOctreeVersion);
   OctreeFile out;
   OctreeGrid& grid = out.bricks.grid;
   grid.depth = whole_number(path, file, "depth", 0, kOctreeMaxLevels);

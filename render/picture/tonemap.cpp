@@ -1,7 +1,5 @@
 #include "render/picture/tonemap.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "scenes/error.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 namespace shared {
@@ -17,7 +16,6 @@ namespace shared {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kGrey = 0.18;
 constexpr double kGreyTarget =
     0.20;                           ///< linear display value of a lit 18 % grey: a little above the photographic middle
@@ -34,9 +32,10 @@ LightSums sum_light(const Environment& environment) {
   for (std::size_t x = 0; x < width; ++x)
     around[x] = direction_from_latlong(static_cast<double>(x) + 0.5, 0.5, environment.width, 1);
   std::vector<LightSums> rows(static_cast<std::size_t>(environment.height));
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t y) {
-    const double theta = kPi * (static_cast<double>(y) + 0.5) / environment.height;
-    const double solid_angle = std::sin(theta) * kPi / environment.height * 2.0 * kPi / environment.width;
+  parallel_for(std::size_t{0}, rows.size(), [&](std::size_t y) {
+    const double theta = std::numbers::pi * (static_cast<double>(y) + 0.5) / environment.height;
+    const double solid_angle =
+        std::sin(theta) * std::numbers::pi / environment.height * 2.0 * std::numbers::pi / environment.width;
     LightSums& row = rows[y];
     for (std::size_t x = 0; x < width; ++x) {
       const double value = luminance(glm::dvec3(environment.rgb[y * width + x]));
@@ -59,7 +58,7 @@ double log_average(const Environment& environment, double mean) {
   const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(environment.rgb.size()) / 32768.0)));
   double sum = 0.0, weights = 0.0;
   for (int y = step / 2; y < environment.height; y += step) {
-    const double weight = std::sin(kPi * (y + 0.5) / environment.height);
+    const double weight = std::sin(std::numbers::pi * (y + 0.5) / environment.height);
     for (int x = step / 2; x < environment.width; x += step) {
       const auto i =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(environment.width) + static_cast<std::size_t>(x);
@@ -77,7 +76,7 @@ const std::vector<std::string>& tonemap_names() {
   return kNames;
 }
 
-double mean_luminance(const Environment& environment) { return sum_light(environment).flux / (4.0 * kPi); }
+double mean_luminance(const Environment& environment) { return sum_light(environment).flux / (4.0 * std::numbers::pi); }
 
 float meter_exposure_ev(const Image& radiance, float environment_ev) {
   constexpr double kTarget = 0.1, kGlare = 0.3, kFloor = 0.004;  // of the display's linear range
@@ -121,7 +120,7 @@ Image tone_map(const Image& points, float exposure_ev, const std::string& tonema
   const int curve = tonemap_index(tonemap);
   const float exposure = std::exp2(exposure_ev), share = 1.0f / static_cast<float>(side * side);
   Image result(points.width / side, points.height / side, points.channels);
-  tbb::parallel_for(0, result.height, [&](int y) {
+  parallel_for(0, result.height, [&](int y) {
     for (int x = 0; x < result.width; ++x) {
       glm::vec3 sum(0.0f);
       float alpha = 0.0f;
@@ -143,9 +142,9 @@ float suggest_exposure_ev(const Environment& environment) {
   if (!(sums.flux > 0.0)) return 0.0f;
   // On a plane that faces the light: the vector irradiance for a sun, a quarter of the flux for a uniform sky.
   const double irradiance = std::max(glm::length(sums.vector), sums.flux / 4.0);
-  const double lit_grey = kGrey * irradiance / kPi;
+  const double lit_grey = kGrey * irradiance / std::numbers::pi;
   const double exposure =
-      std::min(kGreyTarget / lit_grey, kSkyLimit / log_average(environment, sums.flux / (4.0 * kPi)));
+      std::min(kGreyTarget / lit_grey, kSkyLimit / log_average(environment, sums.flux / (4.0 * std::numbers::pi)));
   return static_cast<float>(std::clamp(std::log2(exposure), -40.0, 40.0));
 }
 

@@ -1,7 +1,5 @@
 #include "render/prefilter/reflectance_tables.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
@@ -9,17 +7,18 @@
 
 #include "render/environment/prefilter.h"
 #include "render/math/shared_formulas.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kSamples = 512;
 
 /// Direction i of a spiral: `cosine` from the axis, golden angles in azimuth.
 glm::dvec3 spiral(int i, double cosine) {
-  const double phi = kPi * (3.0 - std::sqrt(5.0)) * i, sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+  const double phi = std::numbers::pi * (3.0 - std::sqrt(5.0)) * i,
+               sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
   return {sine * std::cos(phi), sine * std::sin(phi), cosine};
 }
 
@@ -33,7 +32,7 @@ double sheen_albedo(double nv, double roughness) {
     const glm::dvec3 wi = spiral(i, (i + 0.5) / kSamples), h = glm::normalize(wi + wo);
     sum += wi.z * static_cast<double>(shared::sheen_lobe(glm::vec3(h), glm::vec3(wi), glm::vec3(wo), alpha));
   }
-  return 2.0 * kPi * sum / kSamples;
+  return 2.0 * std::numbers::pi * sum / kSamples;
 }
 
 double mean_schlick_weight(double nv) {
@@ -58,13 +57,13 @@ double sg_albedo(double sharpness, double nv) {
     const double vh = glm::dot(wo, h), nl = 2.0 * vh * h.z - nv;
     if (vh > 0.0 && nl > 0.0) sum += 4.0 * vh * nl;
   }
-  return sum / kSamples * 2.0 * kPi * cut / sharpness;
+  return sum / kSamples * 2.0 * std::numbers::pi * cut / sharpness;
 }
 
 Image reflectance_table(int size) {
   const Image base = split_sum_table(size);
   Image table(size, size, 4);
-  tbb::parallel_for(0, size, [&](int x) {
+  parallel_for(0, size, [&](int x) {
     const double nv = (x + 0.5) / size, weight = mean_schlick_weight(nv);
     for (int y = 0; y < size; ++y) {
       table.at(x, y, 0) = base.at(x, y, 0);
@@ -78,7 +77,7 @@ Image reflectance_table(int size) {
 
 Image sg_albedo_table(int size) {
   Image table(size, size, 1);
-  tbb::parallel_for(0, size, [&](int y) {
+  parallel_for(0, size, [&](int y) {
     const double sharpness = std::exp2(kSgTableLog2Begin + (kSgTableLog2End - kSgTableLog2Begin) * y / (size - 1));
     for (int x = 0; x < size; ++x) {
       const double root = (x + 0.5) / size;

@@ -1,12 +1,12 @@
 #include "render/prt/bounces.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -85,7 +85,7 @@ GatheredLight gather_light(const TransferMesh& mesh, const FlatGeometry& geometr
                            const std::atomic<bool>& cancel) {
   const HitFinder finder(mesh, geometry);
   std::vector<std::vector<GatheredLight::Entry>> of_vertex(mesh.vertices.size());
-  tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t t) {
+  parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t t) {
     if (cancel || sources[t] != t) return;
     const TransferVertex& v = mesh.vertices[t];
     const glm::vec3 origin = transfer_ray_origin(v);
@@ -126,7 +126,7 @@ std::vector<float> reflected_shares(const Btf& material) {
   const DirectionMesh& lights = *material.views[0].lights;
   constexpr int kSteps = 12;
   std::vector<float> shares(static_cast<std::size_t>(kColors) * lights.size(), 0.0f);
-  tbb::parallel_for(std::size_t{0}, lights.size(), [&](std::size_t l) {
+  parallel_for(std::size_t{0}, lights.size(), [&](std::size_t l) {
     glm::dvec3 sum(0.0);
     for (int i = 0; i < kSteps * 4 * kSteps; ++i) {  // points of equal cosine times solid angle
       const double r2 = (i % kSteps + 0.5) / kSteps, phi = 2.0 * std::numbers::pi * (i / kSteps + 0.5) / (4 * kSteps);
@@ -156,7 +156,7 @@ Bounces compute_bounces(const BounceInput& input, int count, const std::atomic<b
   const Index directions = coarse.count(), rows = kColors * directions,
               vertices = static_cast<Index>(input.mesh.vertices.size());
   Eigen::MatrixXf last = Eigen::MatrixXf::Zero(rows, vertices);
-  tbb::parallel_for(Index{0}, vertices, [&](Index v) {
+  parallel_for(Index{0}, vertices, [&](Index v) {
     const auto t = static_cast<std::size_t>(v);
     const std::vector<float>& own = shares[input.mesh.vertices[t].group];
     float* column = last.data() + v * rows;
@@ -172,7 +172,7 @@ Bounces compute_bounces(const BounceInput& input, int count, const std::atomic<b
   bounces.sent = last;
   for (int n = 1; n < count && !cancel; ++n) {
     Eigen::MatrixXf next = Eigen::MatrixXf::Zero(rows, vertices);
-    tbb::parallel_for(Index{0}, vertices, [&](Index v) {
+    parallel_for(Index{0}, vertices, [&](Index v) {
       const auto t = static_cast<std::size_t>(v);
       const std::vector<float>& own = shares[input.mesh.vertices[t].group];
       add_sent(
@@ -198,7 +198,7 @@ Eigen::MatrixXf add_bounces(const Eigen::MatrixXf& direct, const Bounces& bounce
     for (std::size_t l = 0; l < own.size(); ++l)
       own[l] = weights[l * static_cast<std::size_t>(stride) + static_cast<std::size_t>(component)];
   Eigen::MatrixXf all(kColors * directions, direct.cols());
-  tbb::parallel_for(Index{0}, direct.cols(), [&](Index i) {
+  parallel_for(Index{0}, direct.cols(), [&](Index i) {
     std::vector<float> sum(static_cast<std::size_t>(kColors * coarse), 0.0f);
     add_sent(
         bounces.gathered, vertices[static_cast<std::size_t>(i)], bounces.sent,

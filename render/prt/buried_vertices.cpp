@@ -1,8 +1,8 @@
 #include "render/prt/buried_vertices.h"
 
-#include <tbb/parallel_for.h>
-
 #include <limits>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -54,7 +54,7 @@ std::vector<bool> find_buried_vertices(const TransferMesh& mesh, const FlatGeome
                                        const CubeDirections& directions, const RayScene& scene,
                                        const ArrivingLight& light) {
   std::vector<char> found(mesh.vertices.size(), 0);
-  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t v) {
+  parallel_for(std::size_t{0}, found.size(), [&](std::size_t v) {
     found[v] = !is_lit(light, v) && share_of_backs(mesh.vertices[v], transfer_ray_origin(mesh.vertices[v]), geometry,
                                                    directions, scene) > 0.5;
   });

@@ -1,10 +1,10 @@
 #include "render/prt/cube_light.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -123,7 +123,7 @@ CubePyramid::Level CubePyramid::make_finest(const Environment& environment, int 
   Level level;
   level.side = side;
   level.texels.resize(static_cast<std::size_t>(6 * (side + 2) * (side + 2)));
-  tbb::parallel_for(0, 6 * side, [&](int row) {
+  parallel_for(0, 6 * side, [&](int row) {
     const int face = row / side, y = row % side;
     for (int x = 0; x < side; ++x) {
       glm::dvec3 sum(0.0);
@@ -186,7 +186,7 @@ CubeLight CubePyramid::resample(const CubeDirections& directions, const glm::dma
   CubeLight light(directions.count(), 3);
   const int side = directions.side();
   const glm::mat3 turn(environment_from_cube);
-  tbb::parallel_for(0, 6 * side, [&](int row) {
+  parallel_for(0, 6 * side, [&](int row) {
     const int face = row / side, y = row % side;
     for (int x = 0; x < side; ++x) {
       glm::vec3 sum(0.0f);

@@ -1,10 +1,9 @@
 #include "render/prt/factorised_transfer.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 
 #include "scenes/btf/half_floats.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -37,7 +36,7 @@ TransferMatrix factorise_transfer(const Eigen::MatrixXf& transfer, const CubeDir
   for (int k = 0; k < matrix.clusters; ++k)
     for (int c = 0; c < options.components; ++c)
       if (const float scale = std::sqrt(squares(c, k) / std::max(members[k], 1.0f)); scale > 0.0f) scales(c, k) = scale;
-  tbb::parallel_for(0, matrix.clusters, [&](int k) {
+  parallel_for(0, matrix.clusters, [&](int k) {
     Eigen::MatrixXf q(measure.size(), terms);
     q.col(0) = fit.pca.mean(k);
     q.rightCols(options.components) = fit.pca.components(k);

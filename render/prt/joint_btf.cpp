@@ -1,21 +1,20 @@
 #include "render/prt/joint_btf.h"
 
-#include <tbb/parallel_for.h>
-
-#include <Eigen/Dense>
 #include <algorithm>
 #include <limits>
 #include <random>
 
 #include "render/math/cluster_members.h"
 #include "scenes/btf/half_floats.h"
+#include "scenes/linear_algebra.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
 
 using Eigen::Index;
-constexpr Index kColors = 3;
+constexpr Index kChannels = 3;
 constexpr Index kSampledTexels = 4096;  ///< that clusters are fitted to
 constexpr Index kSketch = 48;           ///< dimensions in which texels are assigned
 constexpr int kRounds = 12;
@@ -23,7 +22,7 @@ constexpr Index kBlock = 256;  ///< texels that a thread takes at a time
 
 /// Eigenvectors of a symmetric matrix with the largest values; columns of what is zero are zero.
 Eigen::MatrixXf leading(const Eigen::MatrixXd& matrix, Index count) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  const SymmetricEigen solver(matrix);
   const Eigen::VectorXd& values = solver.eigenvalues();
   Eigen::MatrixXf basis = Eigen::MatrixXf::Zero(matrix.rows(), count);
   for (Index k = 0; k < std::min(count, values.size()); ++k) {
@@ -51,7 +50,7 @@ class TexelSpace {
               view.light_weights[l * static_cast<std::size_t>(btf.components) + static_cast<std::size_t>(c - 1)]);
         gram += shares[l] * f * f.transpose();
       }
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+      const SymmetricEigen solver(gram);
       const Eigen::VectorXd roots = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
       to_.push_back((roots.asDiagonal() * solver.eigenvectors().transpose()).cast<float>());
       const Eigen::VectorXd inverse =
@@ -62,13 +61,13 @@ class TexelSpace {
   Index dimensions() const { return terms_ * static_cast<Index>(btf_.views.size()); }
   /// Three columns, of the colours of a texel that begins at `offset` of each view's factors.
   void read(std::size_t offset, float* columns) const {
-    Eigen::MatrixXf factors(terms_, kColors);
+    Eigen::MatrixXf factors(terms_, kChannels);
     for (std::size_t v = 0; v < btf_.views.size(); ++v) {
       const std::uint16_t* halves = btf_.views[v].factors.data() + offset;
       for (Index c = 0; c < terms_; ++c)
-        for (Index k = 0; k < kColors; ++k) factors(c, k) = float_of_half(halves[c * kColors + k]);
+        for (Index k = 0; k < kChannels; ++k) factors(c, k) = float_of_half(halves[c * kChannels + k]);
       const Eigen::MatrixXf y = to_[v] * factors;
-      for (Index k = 0; k < kColors; ++k)
+      for (Index k = 0; k < kChannels; ++k)
         std::copy_n(y.data() + k * terms_, terms_, columns + k * dimensions() + static_cast<Index>(v) * terms_);
     }
   }
@@ -94,7 +93,7 @@ class TexelSpace {
 class SubspaceClusters {
  public:
   SubspaceClusters(const Eigen::MatrixXf& samples, int clusters, Index terms) : samples_(samples), terms_(terms) {
-    const Index texels = samples.cols() / kColors;
+    const Index texels = samples.cols() / kChannels;
     const Eigen::MatrixXd wide = samples.cast<double>();
     const Eigen::MatrixXf lift = leading(wide * wide.transpose(), std::min(kSketch, samples.rows()));
     small_ = lift.transpose() * samples;
@@ -111,7 +110,7 @@ class SubspaceClusters {
   const std::vector<Eigen::MatrixXf>& bases() const { return full_; }  ///< [cluster] orthonormal, strongest first
 
  private:
-  auto texel(Index i) const { return small_.middleCols(kColors * i, kColors); }
+  auto texel(Index i) const { return small_.middleCols(kChannels * i, kChannels); }
 
   void seed(Index clusters) {
     std::mt19937 random(1);
@@ -136,7 +135,7 @@ class SubspaceClusters {
   }
 
   void assign() {
-    tbb::parallel_for(Index{0}, static_cast<Index>(owner_.size()), [&](Index i) {
+    parallel_for(Index{0}, static_cast<Index>(owner_.size()), [&](Index i) {
       const auto x = texel(i);
       const float all = x.squaredNorm();
       float best = std::numeric_limits<float>::max();
@@ -150,7 +149,7 @@ class SubspaceClusters {
 
   void update(Index terms) {
     const auto members = members_of_clusters(owner_, bases_.size(), &residual_);
-    tbb::parallel_for(std::size_t{0}, bases_.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, bases_.size(), [&](std::size_t k) {
       Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(small_.rows(), small_.rows());
       for (const Index i : members[k]) {
         const Eigen::MatrixXd x = texel(i).cast<double>();
@@ -165,7 +164,7 @@ class SubspaceClusters {
     std::vector<Index> columns;
     for (std::size_t i = 0; i < owner_.size(); ++i)
       if (owner_[i] == k)
-        for (Index c = 0; c < kColors; ++c) columns.push_back(kColors * static_cast<Index>(i) + c);
+        for (Index c = 0; c < kChannels; ++c) columns.push_back(kChannels * static_cast<Index>(i) + c);
     if (columns.empty()) return Eigen::MatrixXf::Zero(samples_.rows(), terms_);
     const Eigen::MatrixXf x = samples_(Eigen::all, columns);
     const Eigen::MatrixXf start = x * (x.transpose() * (lift * bases_[static_cast<std::size_t>(k)]));
@@ -202,9 +201,10 @@ std::shared_ptr<const JointBtf> fit_joint_btf(const Btf& btf, const JointBtfOpti
               step = (finest + kSampledTexels - 1) / kSampledTexels | 1;
   const std::size_t stored = 3 * static_cast<std::size_t>(1 + btf.components);
   const auto sampled = [&](Index first, Index count, Index at_step) {
-    Eigen::MatrixXf samples(space.dimensions(), kColors * ((count + at_step - 1) / at_step));
-    tbb::parallel_for(Index{0}, samples.cols() / kColors, [&](Index i) {
-      space.read(static_cast<std::size_t>(first + i * at_step) * stored, samples.data() + kColors * i * samples.rows());
+    Eigen::MatrixXf samples(space.dimensions(), kChannels * ((count + at_step - 1) / at_step));
+    parallel_for(Index{0}, samples.cols() / kChannels, [&](Index i) {
+      space.read(static_cast<std::size_t>(first + i * at_step) * stored,
+                 samples.data() + kChannels * i * samples.rows());
     });
     return samples;
   };
@@ -245,8 +245,8 @@ std::shared_ptr<const JointBtf> fit_joint_btf(const Btf& btf, const JointBtfOpti
   const auto all = static_cast<Index>(btf.views[0].factors.size() / stored);
   joint->texels.assign(static_cast<std::size_t>(all) * joint->texel_halves(), 0);
   std::vector<double> lost(static_cast<std::size_t>((finest + kBlock - 1) / kBlock), 0.0), energy(lost);
-  tbb::parallel_for(Index{0}, (all + kBlock - 1) / kBlock, [&](Index b) {
-    Eigen::MatrixXf x(rows, kColors);
+  parallel_for(Index{0}, (all + kBlock - 1) / kBlock, [&](Index b) {
+    Eigen::MatrixXf x(rows, kChannels);
     for (Index t = b * kBlock; t < std::min((b + 1) * kBlock, all) && !cancel; ++t) {
       space.read(static_cast<std::size_t>(t) * stored, x.data());
       const Eigen::MatrixXf w = bases.transpose() * x;
@@ -256,7 +256,8 @@ std::shared_ptr<const JointBtf> fit_joint_btf(const Btf& btf, const JointBtfOpti
       std::uint16_t* halves = joint->texels.data() + static_cast<std::size_t>(t) * joint->texel_halves();
       halves[0] = half_of_float(static_cast<float>(best));
       for (Index c = 0; c < terms; ++c)
-        for (Index k = 0; k < kColors; ++k) halves[1 + c * kColors + k] = half_of_float(w(best * terms + c, k) / scale);
+        for (Index k = 0; k < kChannels; ++k)
+          halves[1 + c * kChannels + k] = half_of_float(w(best * terms + c, k) / scale);
       if (t >= finest) continue;
       const Eigen::MatrixXf left = x - bases.middleCols(best * terms, terms) * w.middleRows(best * terms, terms);
       lost[static_cast<std::size_t>(t / kBlock)] += static_cast<double>(left.squaredNorm());

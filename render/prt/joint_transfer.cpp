@@ -1,13 +1,12 @@
 #include "render/prt/joint_transfer.h"
 
-#include <tbb/parallel_for.h>
-
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "scenes/btf/half_floats.h"
+#include "scenes/linear_algebra.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -17,12 +16,12 @@ using Eigen::Index;
 constexpr Index kKept = 64;        ///< dimensions of the vertices' subspace
 constexpr Index kMixedRows = 256;  ///< of all views together, at least
 constexpr Index kLeastMixed = 8;   ///< of each view
-constexpr Index kBlock = 256;      ///< columns that a thread takes at a time
+constexpr Index kGramBlock = 256;  ///< columns that a thread takes at a time
 
 template <typename Work>
 void for_blocks(Index columns, const Work& work) {
-  tbb::parallel_for(Index{0}, (columns + kBlock - 1) / kBlock,
-                    [&](Index b) { work(b * kBlock, std::min(kBlock, columns - b * kBlock)); });
+  parallel_for(Index{0}, (columns + kGramBlock - 1) / kGramBlock,
+               [&](Index b) { work(b * kGramBlock, std::min(kGramBlock, columns - b * kGramBlock)); });
 }
 
 /// The leading subspace of columns that are given block of rows by block of rows.
@@ -40,15 +39,15 @@ class RowMerger {
 
  private:
   static Eigen::MatrixXf reduced(const Eigen::MatrixXf& all) {
-    const Index blocks = (all.cols() + kBlock - 1) / kBlock;
+    const Index blocks = (all.cols() + kGramBlock - 1) / kGramBlock;
     std::vector<Eigen::MatrixXd> parts(static_cast<std::size_t>(blocks));
     for_blocks(all.cols(), [&](Index first, Index size) {
       const Eigen::MatrixXd x = all.middleCols(first, size).cast<double>();
-      parts[static_cast<std::size_t>(first / kBlock)] = x * x.transpose();
+      parts[static_cast<std::size_t>(first / kGramBlock)] = x * x.transpose();
     });
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(all.rows(), all.rows());
     for (const Eigen::MatrixXd& part : parts) gram += part;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+    const SymmetricEigen solver(gram);
     const Eigen::MatrixXf turn = solver.eigenvectors().rightCols(kKept).rowwise().reverse().cast<float>();
     Eigen::MatrixXf kept(kKept, all.cols());
     for_blocks(all.cols(), [&](Index first, Index size) {
@@ -139,7 +138,7 @@ class JointFactoriser {
   static Eigen::MatrixXf solver_of(const Eigen::MatrixXf& design) {
     if (design.rows() == 0) return Eigen::MatrixXf(design.cols(), 0);
     const Eigen::MatrixXd wide = design.cast<double>();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(wide.transpose() * wide);
+    const SymmetricEigen solver(wide.transpose() * wide);
     const Eigen::ArrayXd values = solver.eigenvalues().array();
     const Eigen::VectorXd inverse = (values > 1e-9 * values.maxCoeff()).select(values.max(1e-300).inverse(), 0.0);
     return (solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose() * wide.transpose())
@@ -158,7 +157,7 @@ class JointFactoriser {
     matrix.q.assign(rows * static_cast<std::size_t>(t.rows()), 0);
     matrix.squares.assign(static_cast<std::size_t>(t.cols()), 0.0f);
     std::vector<double> energy(static_cast<std::size_t>(clusters_), 0.0);
-    tbb::parallel_for(std::size_t{0}, members_.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, members_.size(), [&](std::size_t k) {
       const std::vector<Index>& own = members_[k];
       if (own.empty()) return;
       Eigen::MatrixXf q = Eigen::MatrixXf::Zero(t.rows(), terms);

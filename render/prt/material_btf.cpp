@@ -1,7 +1,5 @@
 #include "render/prt/material_btf.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -10,13 +8,14 @@
 #include "scenes/btf/factorise.h"
 #include "scenes/btf/half_floats.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 #include "scenes/srgb.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr int kColors = 3;
+constexpr int kColorCount = 3;
 constexpr double kRingStep = 7.5;  ///< degrees: finer than a texel of 16 x 16 faces is wide
 constexpr int kRings = 11;
 
@@ -76,9 +75,9 @@ BtfView factorise_colors(const glm::dvec3& direction, const BtfLights& lights, c
     covariance += lights.shares[l] * x * x.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  view.light_weights.assign(kColors * colors.size(), 0.0f);
+  view.light_weights.assign(kColorCount * colors.size(), 0.0f);
   for (int c = 0; c < 3; ++c) view.factors.push_back(half_of_float(static_cast<float>(mean[c])));
-  for (int k = 0; k < kColors; ++k) {
+  for (int k = 0; k < kColorCount; ++k) {
     const Eigen::Vector3d axis = solver.eigenvectors().col(2 - k);
     const double deviation = std::sqrt(std::max(solver.eigenvalues()[2 - k], 0.0));
     const bool counts = deviation > 1e-6 * std::sqrt(std::max(solver.eigenvalues()[2], 0.0)) && deviation > 0.0;
@@ -86,7 +85,7 @@ BtfView factorise_colors(const glm::dvec3& direction, const BtfLights& lights, c
       view.factors.push_back(counts ? half_of_float(static_cast<float>(deviation * axis[c])) : std::uint16_t{0});
     for (std::size_t l = 0; counts && l < colors.size(); ++l) {
       const glm::dvec3 d = colors[l] - mean;
-      view.light_weights[l * kColors + static_cast<std::size_t>(k)] =
+      view.light_weights[l * kColorCount + static_cast<std::size_t>(k)] =
           static_cast<float>((axis[0] * d.x + axis[1] * d.y + axis[2] * d.z) / deviation);
     }
   }
@@ -173,12 +172,12 @@ std::shared_ptr<const Btf> make_material_btf(const SurfacePoint& point, const st
   auto btf = std::make_shared<Btf>();
   btf->name = m.name;
   btf->width = btf->height = 1;
-  btf->components = kColors;
+  btf->components = kColorCount;
   btf->texel_m = 1.0;
   const std::vector<glm::dvec3> views = ubo_directions(), directions = fine_directions();
   const BtfLights lights = make_btf_lights(directions);
   btf->views.resize(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t v) {
+  parallel_for(std::size_t{0}, views.size(), [&](std::size_t v) {
     SurfacePoint p = point;
     p.wo = glm::vec3(views[v]);
     std::vector<glm::dvec3> colors;

@@ -19,7 +19,7 @@ constexpr const char *kVertices = "prt/vertices.comp", *kShade = "prt/shade.comp
 /// In the order of u_view in prt/view.comp.
 constexpr std::array<const char*, 5> kViews{"prt_vertices", "prt_clusters", "prt_light", "prt_component", "prt_error"};
 /// Beside the picture's sky: on surfaces it is the view prt_light.
-constexpr const char* kKept = "prt_kept";
+constexpr const char* kKeptView = "prt_kept";
 /// Of the environment, for cells with BRDFs: a mode without noise shows none there.
 constexpr int kSamplesOfCells = 64;
 
@@ -84,12 +84,12 @@ class TransferMode : public ShadingMode {
   }
   std::optional<PointValue> view(const std::string& name, const LayerContext& layer) const override {
     for (std::size_t i = 0; i < kViews.size(); ++i)
-      if (name == kViews[i] || (name == kKept && kViews[i] == std::string("prt_light")))
+      if (name == kViews[i] || (name == kKeptView && kViews[i] == std::string("prt_light")))
         return read_view(static_cast<int>(i), layer);
     return std::nullopt;
   }
   PointValue sky_view(const std::string& name, const LayerContext& layer) const override {
-    const TransferStore* store = name == kKept ? find_store(layer.frame, layer.plan) : nullptr;
+    const TransferStore* store = name == kKeptView ? find_store(layer.frame, layer.plan) : nullptr;
     if (!store) return {};
     const FrameConstants& c = layer.constants;
     const GridSize& size = layer.surfaces.size();

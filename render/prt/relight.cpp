@@ -1,13 +1,12 @@
 #include "render/prt/relight.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numeric>
 
 #include "scenes/btf/half_floats.h"
+#include "scenes/parallel.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>
@@ -134,7 +133,7 @@ std::size_t RelightTable::add(const TransferMatrix& matrix) {
   std::vector<double> members(static_cast<std::size_t>(matrix.clusters), 0.0);
   for (const std::uint16_t k : matrix.owner) members[k] += 1.0;
   const auto terms = static_cast<std::size_t>(1 + matrix.components);
-  tbb::parallel_for(std::size_t{0}, coefficients(), [&](std::size_t j) {
+  parallel_for(std::size_t{0}, coefficients(), [&](std::size_t j) {
     double squares = 0.0;
     for (std::size_t n = 0; n < static_cast<std::size_t>(channels_); ++n)
       for (std::size_t i = 0; i < count; ++i) {
@@ -160,7 +159,7 @@ std::vector<float> RelightTable::importance() const {
 template <typename Tile>
 void RelightTable::for_tiles(const Tile& tile, std::vector<glm::vec4>* out) const {
   out->resize(rows_);
-  tbb::parallel_for(std::size_t{0}, (rows_ + kTile - 1) / kTile, [&](std::size_t t) {
+  parallel_for(std::size_t{0}, (rows_ + kTile - 1) / kTile, [&](std::size_t t) {
     const std::uint16_t* q = q_.data() + t * kTile * coefficients();
     TileSums sums{}, green{}, blue{};
     tile(q, &sums);

@@ -1,10 +1,10 @@
 #include "render/prt/transfer.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -44,7 +44,7 @@ ArrivingLight trace_arriving_light(const TransferMesh& mesh, const CubeDirection
                                    const ArrivingOptions& options, const std::atomic<bool>& cancel) {
   const TexelPoints points = points_of(directions, options.rays);
   std::vector<std::vector<ArrivingLight::Entry>> of_vertex(mesh.vertices.size());
-  tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t t) {
+  parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t t) {
     if (cancel) return;
     const TransferVertex& v = mesh.vertices[t];
     const glm::vec3 origin = transfer_ray_origin(v);
@@ -81,7 +81,7 @@ LightTable::LightTable(const ArrivingLight& arriving, const std::vector<std::uin
   first_.push_back(0);
   for (const std::uint32_t v : vertices) first_.push_back(first_.back() + arriving.first[v + 1] - arriving.first[v]);
   entries_.resize(first_.back());
-  tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t i) {
     const std::size_t from = arriving.first[vertices[i]];
     for (std::size_t e = first_[i]; e < first_[i + 1]; ++e) {
       const ArrivingLight::Entry& light = arriving.entries[from + e - first_[i]];
@@ -104,7 +104,7 @@ Eigen::MatrixXf LightTable::transfer(Eigen::Index directions, const std::vector<
     for (std::size_t l = 0; l < own.size(); ++l)
       own[l] = weights[l * static_cast<std::size_t>(stride) + static_cast<std::size_t>(component)];
   Eigen::MatrixXf transfer = Eigen::MatrixXf::Zero(directions, vertices);
-  tbb::parallel_for(Eigen::Index{0}, vertices, [&](Eigen::Index i) {
+  parallel_for(Eigen::Index{0}, vertices, [&](Eigen::Index i) {
     float* column = transfer.data() + i * directions;
     for (std::size_t e = first_[static_cast<std::size_t>(i)]; e < first_[static_cast<std::size_t>(i) + 1]; ++e) {
       const Entry& entry = entries_[e];

@@ -1,12 +1,11 @@
 #include "render/raytraced/tracer.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 
 #include "render/raytraced/ray_scene.h"
 #include "render/reference/path_scene.h"
 #include "render/reference/traversal.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -29,7 +28,7 @@ class RaytracedReflections : public ReflectorTechnique {
     glGetTextureImage(t.ray_origin.get(), 0, GL_RGBA, GL_FLOAT, bytes, origins.data());
     glGetTextureImage(t.ray_direction.get(), 0, GL_RGBA, GL_FLOAT, bytes, directions.data());
     std::vector<std::uint32_t> hits(count, 0u);
-    tbb::parallel_for(0, t.height, [&](int y) {
+    parallel_for(0, t.height, [&](int y) {
       for (int x = 0; x < t.width; ++x) {
         const std::size_t i =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(t.width) + static_cast<std::size_t>(x);

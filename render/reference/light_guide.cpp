@@ -1,7 +1,5 @@
 #include "render/reference/light_guide.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,6 +7,7 @@
 
 #include "render/math/low_discrepancy.h"
 #include "render/math/wide.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -35,7 +34,6 @@ class ImportanceSums {
   std::vector<double> sums_;
 };
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kMostUseful = 255;  ///< fixed-point scale of the recorded squares
 constexpr float kPlainShare = 0.1f;         ///< share of every cell's probability that follows the plain importance
 /// Bounds that keep the density of every direction above 0: the least extent of a leaf, and how far below the horizon
@@ -58,7 +56,7 @@ constexpr float kPriorRays = 0.2f, kPriorUseful = 0.1f;
 }  // namespace
 
 EnvironmentPartition::EnvironmentPartition(const EnvironmentTables& tables) : width_(tables.width) {
-  for (int y = 0; y <= tables.height; ++y) row_sines_.push_back(std::cos(kPi * y / tables.height));
+  for (int y = 0; y <= tables.height; ++y) row_sines_.push_back(std::cos(std::numbers::pi * y / tables.height));
   const ImportanceSums sums(tables);
   const auto make = [&](int x0, int y0, int x1, int y1) {
     Leaf leaf{x0, y0, x1, y1, 0.0f, {}};
@@ -116,7 +114,7 @@ glm::vec3 EnvironmentPartition::direction(const EnvironmentPoint& point) const {
   const double top = row_sines_[point.row], bottom = row_sines_[point.row + 1];
   const double y = std::clamp(top + (bottom - top) * point.t, -1.0, 1.0);
   const auto r = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - y * y)));
-  const auto longitude = static_cast<float>(kPi - 2.0 * kPi * point.x / width_);
+  const auto longitude = static_cast<float>(std::numbers::pi - 2.0 * std::numbers::pi * point.x / width_);
   return {std::sin(longitude) * r, static_cast<float>(y), std::cos(longitude) * r};
 }
 
@@ -211,7 +209,7 @@ void LightGuide::record(std::uint32_t cell, int leaf, float useful) {
 void LightGuide::learn() {
   if (!learning()) return;
   ++iterations_;
-  tbb::parallel_for(std::uint32_t{0}, kCells, [&](std::uint32_t cell) {
+  parallel_for(std::uint32_t{0}, kCells, [&](std::uint32_t cell) {
     const auto* first = &records_[at(cell, 0)];
     if (std::any_of(first, first + kLeaves, [](const auto& n) { return n.load(std::memory_order_relaxed) > 0; }))
       learn_cell(cell);

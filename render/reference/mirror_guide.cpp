@@ -1,6 +1,5 @@
 #include "render/reference/mirror_guide.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "render/reference/path_sampler.h"
 #include "render/reference/surface.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -24,8 +24,8 @@ constexpr float kBinDensity = static_cast<float>(kRows * kColumns) * 0.079577471
 /// Least share of the light paths that lamps and the sky each get, where the other is brighter. With equal shares the
 /// guide learned lamps by day that no picture shows, and rays were wasted on them (1.12 of the variance).
 constexpr float kLeastShare = 0.01f;
-constexpr int kMostPanes = 8;  ///< that reflected light passes through
-enum Dimension : std::uint32_t { kPane, kPoint, kLightChoice, kLight, kWhich, kOffset };
+constexpr int kMostFluxPanes = 8;  ///< that reflected light passes through
+enum FluxDimension : std::uint32_t { kFluxPane, kFluxPoint, kFluxLightChoice, kFluxLight, kFluxWhich, kFluxOffset };
 
 std::uint32_t bin_of(const glm::vec3& d, const glm::vec2& offset = glm::vec2(0.0f)) {
   const float row = (0.5f - 0.5f * d.y) * static_cast<float>(kRows) + offset.x;
@@ -57,7 +57,7 @@ MirrorGuide::MirrorGuide(const PathScene& scene, const EnvironmentLight& environ
 void MirrorGuide::learn(std::size_t count) {
   if (panes_.empty()) return;
   std::vector<Arrival> arrivals(count * kCopies);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     trace_light(traced_ + static_cast<std::uint32_t>(i), std::span(arrivals).subspan(i * kCopies).first<kCopies>());
   });
   traced_ += static_cast<std::uint32_t>(count);
@@ -72,23 +72,24 @@ float MirrorGuide::share_of_lamps(std::size_t cell) const {
 
 void MirrorGuide::trace_light(std::uint32_t index, std::span<Arrival, kCopies> arrivals) const {
   const PathSampler sampler{seed_, index};
-  const double along = static_cast<double>(sampler.single(kPane)) * areas_.back();
+  const double along = static_cast<double>(sampler.single(kFluxPane)) * areas_.back();
   const auto pane =
       static_cast<std::size_t>(std::upper_bound(areas_.begin(), areas_.end() - 1, along) - areas_.begin());
   RayHit hit;
   hit.triangle = panes_[pane];
-  hit.barycentric = shared::light_triangle_uv(sampler.pair(kPoint));
+  hit.barycentric = shared::light_triangle_uv(sampler.pair(kFluxPoint));
   const auto& [p0, p1, p2] = scene_.triangles[hit.triangle].positions;
   const glm::vec3 at = p0 + (p1 - p0) * hit.barycentric.x + (p2 - p0) * hit.barycentric.y;
   LightDraw light;
   const std::size_t cell = light_cell(scene_.lights, at);
   const float lamps = share_of_lamps(cell);
-  if (sampler.single(kWhich) < lamps) {
-    const LightPick pick = choose_light(scene_.lights, cell, sampler.single(kLightChoice), sampler.word(kLightChoice));
-    light = draw_scene_light(scene_, at, pick, sampler.pair(kLight), false);
+  if (sampler.single(kFluxWhich) < lamps) {
+    const LightPick pick =
+        choose_light(scene_.lights, cell, sampler.single(kFluxLightChoice), sampler.word(kFluxLightChoice));
+    light = draw_scene_light(scene_, at, pick, sampler.pair(kFluxLight), false);
     light.pdf *= lamps;
   } else if (!environment_.black()) {
-    light = environment_.draw(sampler.pair(kLight));
+    light = environment_.draw(sampler.pair(kFluxLight));
     environment_.fill(&light);
     light.pdf *= 1.0f - lamps;
   }
@@ -103,17 +104,18 @@ void MirrorGuide::trace_light(std::uint32_t index, std::span<Arrival, kCopies> a
   if (!(flux > 0.0f)) return;
   flux *= luminance(transmittance(scene_, shadow));
   Ray ray = rays.mirrored;
-  for (int passed = 0; passed < kMostPanes && flux > 0.0f && std::isfinite(flux); ++passed) {
-    if (!intersect(scene_, ray, RayKind::path, sampler.word(kOffset + 2 * kCopies), &hit)) return;
+  for (int passed = 0; passed < kMostFluxPanes && flux > 0.0f && std::isfinite(flux); ++passed) {
+    if (!intersect(scene_, ray, RayKind::path, sampler.word(kFluxOffset + 2 * kCopies), &hit)) return;
     const SurfacePoint q = resolve_surface(scene_, ray, hit, {});
     if (q.material->refracts()) return;
     if (!(q.material->pane > 0.0f)) {
       // Spread over two cells and a bin, so that their borders do not show. Several copies of one path cost less than
       // several paths.
       for (std::uint32_t k = 0; k < kCopies; ++k) {
-        const glm::vec2 o = 2.0f * sampler.pair(kOffset + 2 * k) - 1.0f;
+        const glm::vec2 o = 2.0f * sampler.pair(kFluxOffset + 2 * k) - 1.0f;
         const glm::vec3 shifted = q.position + (q.t * o.x + q.b * o.y) * grid_.side(q.position);
-        arrivals[k] = {grid_.cell_of(shifted, q.n), bin_of(-ray.direction, sampler.pair(kOffset + 2 * k + 1) - 0.5f),
+        arrivals[k] = {grid_.cell_of(shifted, q.n),
+                       bin_of(-ray.direction, sampler.pair(kFluxOffset + 2 * k + 1) - 0.5f),
                        static_cast<double>(flux) / kCopies};
       }
       return;

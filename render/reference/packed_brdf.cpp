@@ -1,10 +1,10 @@
 #include "render/reference/packed_brdf.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
+
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -32,7 +32,7 @@ PackedBrdf::Entry PackedBrdf::pack(const glm::vec3& f) {
 
 PackedBrdf::PackedBrdf(const BrdfTable& table) {
   bricks_.resize(table.rgb.size() / 8);
-  tbb::parallel_for(0, kThetaHCount, [&](int h) {
+  parallel_for(0, kThetaHCount, [&](int h) {
     for (int d = 0; d < kThetaDCount; ++d)
       for (int phi = 0; phi < kPhiDCount; ++phi) {
         const auto index = static_cast<std::size_t>(of_theta_h(h) + of_theta_d(d) + of_phi_d(phi));

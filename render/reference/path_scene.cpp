@@ -1,8 +1,5 @@
 #include "render/reference/path_scene.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,6 +13,7 @@
 #include "render/reference/triangle_pairs.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -40,7 +38,7 @@ void load_measured(const std::vector<Material>& materials, MeasuredLibrary* libr
     if (!m.measured.empty() && !library->contains(m.measured)) missing.insert(m.measured);
   const std::vector<std::string> sources(missing.begin(), missing.end());
   std::vector<std::shared_ptr<const MeasuredMaterial>> loaded(sources.size());
-  tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) { loaded[i] = load_measured(sources[i]); });
+  parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) { loaded[i] = load_measured(sources[i]); });
   for (std::size_t i = 0; i < sources.size(); ++i) (*library)[sources[i]] = std::move(loaded[i]);
 }
 
@@ -189,7 +187,7 @@ void gather_triangles(const PathSceneInput& input, PathScene* scene) {
     order.insert(order.end(), assignment.meshes[mesh].begin(), assignment.meshes[mesh].end());
   }
   scene->triangles.resize(order.size());
-  tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
     scene->triangles[i] = traced_triangle(scene->geometry, order[i], assignment.materials[order[i]]);
   });
 }
@@ -298,9 +296,9 @@ std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
     scene->materials.push_back(make_material(Material(), scene->atlas, input.scene.materials.size(), *library));
     gather_triangles(input, scene.get());
     measure_uvs(scene.get());
-    tbb::parallel_invoke([&] { gather_lights(input, scene.get()); }, [&] { build_hierarchy(scene.get()); });
+    parallel_invoke([&] { gather_lights(input, scene.get()); }, [&] { build_hierarchy(scene.get()); });
   };
-  tbb::parallel_invoke(surfaces, [&] {
+  parallel_invoke(surfaces, [&] {
     scene->environment = trace_environment(input.environment, load_environment_tables(*input.environment));
   });
   return scene;

@@ -1,5 +1,3 @@
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -20,6 +18,7 @@
 #include "render/reference/presampled_environment.h"
 #include "scenes/error.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -254,7 +253,7 @@ struct ReferencePicture::Impl {
   }
 
   void trace_pixels(const Tiles& tiles, std::uint32_t average, const Halt& halt, const Progress& progress) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), kTilesATask), [&](const auto& range) {
+    parallel_ranges<std::size_t>(0, tiles.count(), kTilesATask, [&](const auto& range) {
       std::size_t traced = 0, paths = 0;
       if (request.paths.transport == Transport::direct) {
         for (std::size_t i = range.begin(); i < range.end(); ++i)
@@ -320,7 +319,7 @@ struct ReferencePicture::Impl {
     std::vector<float> own(pixels.size()), around(pixels.size());
     for (std::size_t i = 0; i < pixels.size(); ++i) own[i] = spread_of(pixels[i]);
     const Tiles tiles = tiles_where([](int, int) { return true; });
-    tbb::parallel_for(std::size_t{0}, tiles.count(), [&](std::size_t tile) {
+    parallel_for(std::size_t{0}, tiles.count(), [&](std::size_t tile) {
       const std::span<const std::uint32_t> inside = tiles.of(tile);
       const int x = static_cast<int>(inside[0]) % width, y = static_cast<int>(inside[0]) / width;
       float sum = 0.0f;
@@ -392,7 +391,7 @@ struct ReferencePicture::Impl {
     const std::uint32_t seed = mix_seed(request.seed, 0x747261u);
     for (; training_iteration < kTrainingIterations; ++training_iteration) {
       trained.resize(static_cast<std::size_t>(columns * rows));
-      tbb::parallel_for(0, columns * rows, [&](int i) {
+      parallel_for(0, columns * rows, [&](int i) {
         std::uint8_t& is_trained = trained[static_cast<std::size_t>(i)];
         if (is_trained || stop.stop_requested()) return;
         const glm::vec2 at = (glm::vec2(i % columns, i / columns) + 0.5f) * static_cast<float>(kTrainingSide);

@@ -1,10 +1,9 @@
 #include "render/reference/presampled_environment.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "render/math/low_discrepancy.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -34,7 +33,7 @@ void PresampledEnvironment::prepare(std::uint32_t paths) {
 PresampledEnvironment::Set PresampledEnvironment::draw_set(int side) const {
   Set set{side, std::vector<PresampledDirection>(static_cast<std::size_t>(leaves_ * side * side))};
   const std::uint32_t seed = mix_seed(seed_, static_cast<std::uint32_t>(sets_.size()));
-  tbb::parallel_for(0, leaves_ * side, [&](int line) {
+  parallel_for(0, leaves_ * side, [&](int line) {
     for (int column = 0; column < side; ++column) {
       const int index = line * side + column;
       const auto key = static_cast<std::uint32_t>(2 * index);

@@ -1,11 +1,10 @@
 #include "render/reference/triangle_pairs.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <limits>
 #include <tuple>
 
+#include "scenes/parallel.h"
 #include "scenes/scene.h"
 
 namespace maquette {
@@ -97,7 +96,7 @@ class Neighbours {
 
   /// Half-edges in opposite directions become twins; where more than two triangles meet at an edge, some of them.
   void match_twins(EdgesAtVertices at) {
-    tbb::parallel_for(std::size_t{0}, at.begin.size() - 1, [&](std::size_t v) {
+    parallel_for(std::size_t{0}, at.begin.size() - 1, [&](std::size_t v) {
       const auto first = at.edges.begin() + at.begin[v], last = at.edges.begin() + at.begin[v + 1];
       const auto key = [&](std::uint32_t edge) {
         const Ends e = ends(edge);
@@ -126,9 +125,8 @@ class Neighbours {
 /// [triangle of the list] the edge across which it is paired, kNone: alone.
 std::vector<std::uint32_t> match(const Neighbours& neighbours, std::uint32_t count) {
   std::vector<std::uint32_t> favourite(count), partner(count, kNone);
-  tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t t) {
-    favourite[t] = neighbours.best_edge(t, [](std::uint32_t) { return true; });
-  });
+  parallel_for(std::uint32_t{0}, count,
+               [&](std::uint32_t t) { favourite[t] = neighbours.best_edge(t, [](std::uint32_t) { return true; }); });
   const auto pair = [&](std::uint32_t edge) {
     partner[edge / 3] = edge;
     partner[neighbours.twin(edge) / 3] = neighbours.twin(edge);

@@ -1,19 +1,18 @@
 #include "render/reflections/mirrored_bound.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "render/frame/camera.h"
 #include "render/frame/constants.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr float kPi = 3.14159265f;
-constexpr float kCell_rad = kPi / 36.0f;  // size of the cells of directions
+constexpr float kCell_rad = std::numbers::pi_v<float> / 36.0f;  // size of the cells of directions
 constexpr std::size_t kPartTriangles = 48;
 /// Interpolated normals, and those of a patch's true surface, leave the cone of the vertex normals by no more than
 /// this.
@@ -30,15 +29,16 @@ float safe_acos(float c) { return std::acos(std::clamp(c, -1.0f, 1.0f)); }
 
 /// Cell of a world direction in rows of latitude.
 std::size_t direction_cell(const glm::vec3& d, int columns, int rows) {
-  const int row = std::clamp(static_cast<int>(safe_acos(d.y) / kPi * static_cast<float>(rows)), 0, rows - 1);
-  const float turn = (std::atan2(d.x, d.z) / kPi + 1.0f) * 0.5f;
+  const int row =
+      std::clamp(static_cast<int>(safe_acos(d.y) / std::numbers::pi_v<float> * static_cast<float>(rows)), 0, rows - 1);
+  const float turn = (std::atan2(d.x, d.z) / std::numbers::pi_v<float> + 1.0f) * 0.5f;
   const int column = std::clamp(static_cast<int>(turn * static_cast<float>(columns)), 0, columns - 1);
   return static_cast<std::size_t>(row * columns + column);
 }
 
 glm::vec3 cell_direction(float column, float row, int columns, int rows) {
-  const float theta = kPi * row / static_cast<float>(rows),
-              phi = kPi * (2.0f * column / static_cast<float>(columns) - 1.0f);
+  const float theta = std::numbers::pi_v<float> * row / static_cast<float>(rows),
+              phi = std::numbers::pi_v<float> * (2.0f * column / static_cast<float>(columns) - 1.0f);
   return {std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi)};
 }
 
@@ -52,7 +52,7 @@ void MirroredBound::set_geometry(const FlatGeometry& geometry, const std::vector
   clusters_ = make_clusters(geometry);
   positions_ = geometry.positions;
   normals_.resize(geometry.indices.size() / 3);
-  tbb::parallel_for(std::size_t{0}, normals_.size(), [&](std::size_t t) {
+  parallel_for(std::size_t{0}, normals_.size(), [&](std::size_t t) {
     const auto corner = [&](std::size_t k) { return geometry.normals[geometry.indices[3 * t + k]]; };
     const glm::vec3 sum = corner(0) + corner(1) + corner(2);
     const glm::vec3 mean = glm::length(sum) > 1e-6f ? glm::normalize(sum) : corner(0);
@@ -144,7 +144,7 @@ void MirroredBound::set_light(const BoundLight& light) {
       float& out = sky_out_[direction_cell(to_world(d), kColumns, kRows)];
       out = std::max(out, light.scale * light.sky->largest[static_cast<std::size_t>(y * SkyBound::kWidth + x)]);
     }
-  tbb::parallel_for(std::size_t{0}, lit_.size(), [&](std::size_t c) {
+  parallel_for(std::size_t{0}, lit_.size(), [&](std::size_t c) {
     if (!light_.surfaces.empty()) light_cluster(&lit_[c], c);
   });
 }
@@ -173,11 +173,13 @@ float MirroredBound::radiance_of(const Met& met) const {
   const Lit& lit = lit_[met.cluster];
   const BoundSurface& surface = light_.surfaces[lit.item];
   const LobeBound& lobe = light_.lobes[static_cast<std::size_t>(surface.lobe)];
-  const float spread_rad = surface.normal_mapped ? kPi : met.normal_spread_rad;
+  const float spread_rad = surface.normal_mapped ? std::numbers::pi_v<float> : met.normal_spread_rad;
   float sum = surface.emission;
   for (const std::uint32_t l : lit.lamps) {
     const SkyBound::Lamp& lamp = lamps_[l];
-    if (glm::dot(lamp.direction, met.normal) < -std::sin(std::min(spread_rad + lamp.radius_rad, 0.5f * kPi))) continue;
+    if (glm::dot(lamp.direction, met.normal) <
+        -std::sin(std::min(spread_rad + lamp.radius_rad, 0.5f * std::numbers::pi_v<float>)))
+      continue;
     const glm::vec3 h = lamp.direction + met.wo;
     const float length = glm::length(h), move = 0.5f * (kCell_rad + lamp.radius_rad);
     // The half vector rotates by half the rotation of either direction; across their common plane by 1 / cos(theta_d)
@@ -231,7 +233,7 @@ float MirroredBound::bound_of(Part* part, const FrameConstants& frame) const {
 
 std::vector<float> MirroredBound::compute(const FrameConstants& frame) {
   std::vector<float> bounds(parts_.size(), 0.0f);
-  tbb::parallel_for(std::size_t{0}, parts_.size(), [&](std::size_t p) {
+  parallel_for(std::size_t{0}, parts_.size(), [&](std::size_t p) {
     if (may_be_seen(frame.clip_from_world, parts_[p].bounds)) bounds[p] = bound_of(&parts_[p], frame);
   });
   return bounds;

@@ -1,7 +1,6 @@
 #include "render/reflections/pane_tint.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <glm/gtc/packing.hpp>
@@ -9,6 +8,7 @@
 #include "render/reference/surface.h"
 #include "render/reference/traversal.h"
 #include "render/views/read_texture.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -17,7 +17,7 @@ namespace {
 /// Rays end before what they hit.
 constexpr float kBeforeHit = 0.9999f;
 /// Surfaces count from here on, m, as for the rays themselves.
-constexpr float kNear_m = 1e-4f;
+constexpr float kPaneNear_m = 1e-4f;
 /// What covers less is not shaded.
 constexpr float kLeastShare = 1e-3f;
 
@@ -73,14 +73,14 @@ void find_pane_tint(const PathScene& scene, const std::vector<TriangleRange>& ow
     std::vector<MirroredLayer> along;
   };
   tbb::enumerable_thread_specific<Scratch> scratch;
-  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+  parallel_for(std::size_t{0}, height, [&](std::size_t y) {
     Scratch& s = scratch.local();
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       if (!(directions[4 * i + 3] > 0.0f)) continue;
       const auto reflector = static_cast<std::size_t>(directions[4 * i + 3] - 0.5f);
       const Ray ray{{origins[4 * i], origins[4 * i + 1], origins[4 * i + 2]},
                     {directions[4 * i], directions[4 * i + 1], directions[4 * i + 2]},
-                    kNear_m,
+                    kPaneNear_m,
                     along_m[i] > 0.0f ? along_m[i] * kBeforeHit : Ray().far};
       find_transparent(scene, ray, &s.hits);
       s.along.clear();

@@ -8,6 +8,7 @@
 #include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/scene_state/material_overrides.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -16,7 +17,6 @@ namespace {
 const ShaderVariant kCover{"reflections/cover.frag", "reflections/cover.vert", {}},
     kSkip{"reflections/skip.comp", "", {}};
 
-float channel_max(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 float channel_min(const glm::vec3& c) { return std::min({c.x, c.y, c.z}); }
 
 /// What may make lobes other than the material's factors say, or than a round lobe with Schlick's term.

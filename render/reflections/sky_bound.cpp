@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
+
+#include "scenes/luminance.h"
 
 namespace maquette {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979;
-
-float channel_max(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
 /// Cell of column x and row y of the environment.
 std::size_t cell_of(const Environment& e, int x, int y) {
@@ -46,10 +45,10 @@ SkyBound make_sky_bound(const Environment& e) {
   sky.level = own[order[SkyBound::kMaxLamps]];
   std::vector<double> excess(own.size(), 0.0);
   for (int y = 0; y < e.height; ++y) {
-    const double band = std::cos(kPi * y / e.height) - std::cos(kPi * (y + 1) / e.height);
+    const double band = std::cos(std::numbers::pi * y / e.height) - std::cos(std::numbers::pi * (y + 1) / e.height);
     for (int x = 0; x < e.width; ++x)
       excess[cell_of(e, x, y)] +=
-          static_cast<double>(std::max(radiance(x, y) - sky.level, 0.0f)) * band * 2.0 * kPi / e.width;
+          static_cast<double>(std::max(radiance(x, y) - sky.level, 0.0f)) * band * 2.0 * std::numbers::pi / e.width;
   }
   for (int k = 0; k < SkyBound::kMaxLamps; ++k) {
     const std::size_t cell = order[static_cast<std::size_t>(k)];
@@ -57,7 +56,7 @@ SkyBound make_sky_bound(const Environment& e) {
     const auto column = static_cast<double>(cell % SkyBound::kWidth),
                row = static_cast<double>(cell / SkyBound::kWidth);
     const glm::dvec3 middle = direction_from_latlong(column + 0.5, row + 0.5, SkyBound::kWidth, SkyBound::kHeight);
-    const double side = kPi / SkyBound::kHeight, texel = kPi / e.height;
+    const double side = std::numbers::pi / SkyBound::kHeight, texel = std::numbers::pi / e.height;
     sky.lamps.push_back(
         {glm::vec3(middle), static_cast<float>(0.7072 * side + 1.5 * texel), static_cast<float>(excess[cell])});
   }

@@ -1,7 +1,5 @@
 #include "render/scene_state/geometry.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 
 #include "render/scene_state/geometry_edit.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 #include "scenes/subdivision.h"
 
 namespace maquette {
@@ -275,8 +274,7 @@ FlatGeometry flatten(const Scene& scene) {
   out.uv1.resize(vertex_count);
   out.colors.resize(vertex_count);
   out.indices.resize(index_count);
-  tbb::parallel_for(std::size_t{0}, instances.size(),
-                    [&](std::size_t i) { InstanceWriter(instances[i], &out).write(); });
+  parallel_for(std::size_t{0}, instances.size(), [&](std::size_t i) { InstanceWriter(instances[i], &out).write(); });
   return out;
 }
 

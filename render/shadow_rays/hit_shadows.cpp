@@ -1,9 +1,7 @@
 #include "render/shadow_rays/hit_shadows.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "render/bake/scene_bakes.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -27,7 +25,7 @@ void HitShadows::add(const FrameContext& frame, const Layer& layer, const Reflec
     sky_.assign(sum_.size(), glm::vec4(0.0f));
   }
   const auto width = static_cast<std::size_t>(t.width);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 256), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, rays.size(), 256, [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       const PointRays& p = rays[i];
       if (p.triangle == 0) continue;

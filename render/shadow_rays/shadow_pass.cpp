@@ -1,14 +1,12 @@
 #include "render/shadow_rays/shadow_pass.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <cmath>
 
 #include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/shadow_rays/point_rays.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -54,7 +52,7 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
   for (std::size_t band = 0; any && band < drawn.tiles.counts.size(); ++band)
     if (drawn.tiles.counts[band] > 0) trace_band(layer, band, drawn);
   sum_.resize(count);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, count, 4096, [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i)
       sum_[i] = layer.plan.lights ? sun_[i] + lamps_[i] : sun_[i];
   });
@@ -83,7 +81,7 @@ void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, const D
               lamp_blend = 1.0f / static_cast<float>(std::max(lamp_frames_, 1));
   const float sky_blend = 1.0f / static_cast<float>(sky_frames_ + 1);
   std::atomic<std::size_t> traced = 0;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 256), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, rays.size(), 256, [&](const auto& range) {
     std::size_t own = 0;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       const PointRays& p = rays[i];

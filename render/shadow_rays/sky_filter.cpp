@@ -1,12 +1,11 @@
 #include "render/shadow_rays/sky_filter.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "render/frame/constants.h"
 #include "render/math/shared_formulas.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -43,7 +42,7 @@ const std::vector<glm::vec4>& SkyFilter::run(const std::vector<SkyPoint>& points
   smooth_ = light;
   spare_.resize(smooth_.size());
   for (const bool down : {false, true}) {
-    tbb::parallel_for(0, size.y, [&](int y) {
+    parallel_for(0, size.y, [&](int y) {
       for (int x = 0; x < size.x; ++x) {
         const auto index = [&](int i, int j) {
           return static_cast<std::size_t>(j) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(i);

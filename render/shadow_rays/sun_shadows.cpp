@@ -1,8 +1,5 @@
 #include "render/shadow_rays/sun_shadows.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 
 #include "render/bake/scene_bakes.h"
@@ -13,6 +10,7 @@
 #include "render/reference/path_scene.h"
 #include "render/reference/traversal.h"
 #include "render/views/read_texture.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -53,7 +51,7 @@ std::size_t SunShadows::trace(const LayerContext& layer, const SunBuffers& sun) 
   const auto width = static_cast<std::size_t>(layer.frame.size().grid_width());
   passed_.assign(places_.size(), glm::vec3(0.0f));
   std::atomic<std::size_t> traced = 0;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, places_.size(), 256), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, places_.size(), 256, [&](const auto& range) {
     std::size_t own = 0;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       const SurfacePlace& place = places_[i];

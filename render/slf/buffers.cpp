@@ -1,7 +1,5 @@
 #include "render/slf/buffers.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
@@ -10,6 +8,7 @@
 #include "render/math/shared_formulas.h"
 #include "render/slf/direction_spline.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -146,7 +145,7 @@ void LightFieldBuffers::upload_lumispheres(const LightField& field) {
   const int width = kLumisphereColumns * tile, height = (count + kLumisphereColumns - 1) / kLumisphereColumns * tile;
   const std::size_t layer = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   std::vector<std::uint64_t> texels(layer * static_cast<std::size_t>(terms), 0);
-  tbb::parallel_for(0, count, [&](int k) {
+  parallel_for(0, count, [&](int k) {
     Eigen::MatrixXf values(3 * sphere.count(), terms), sum(3, terms);
     values.col(0) = field.fit.pca.mean(k) / scale_;
     if (terms > 1) values.rightCols(terms - 1) = field.fit.pca.components(k);

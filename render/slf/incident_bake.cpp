@@ -1,7 +1,5 @@
 #include "render/slf/incident_bake.h"
 
-#include <tbb/parallel_for.h>
-
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +10,7 @@
 #include "render/bake/bake_attributes.h"
 #include "render/bake/kept_bakes.h"
 #include "render/lights/light_numbers.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -282,7 +281,7 @@ class Run {
     if (cancel_) return false;
     const auto begin = RankPatience::Clock::now();
     if (!tracer_) tracer_ = make_tracer();
-    tbb::parallel_for(first(b), end(b), [&](std::size_t t) {
+    parallel_for(first(b), end(b), [&](std::size_t t) {
       if (cancel_) return;
       masked_[t] = tracer_->trace(t, std::span(bake_->field.radiance).subspan(t * stride(), stride())) ? 1u : 0u;
     });

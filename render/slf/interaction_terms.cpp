@@ -1,8 +1,5 @@
 #include "render/slf/interaction_terms.h"
 
-#include <tbb/parallel_for.h>
-
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,6 +9,8 @@
 #include "render/slf/interaction_counts.h"
 #include "render/slf/texel_materials.h"
 #include "scenes/error.h"
+#include "scenes/linear_algebra.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -109,7 +108,7 @@ class Builder {
     const Eigen::MatrixXf from_means = spline_.from_means(kTurnSamples);
     for (const BtfTurn& turn : codes_.turns)
       if (turn != BtfTurn() && !turned.contains(turn)) turned[turn] = turned_means(spline_, turn) * from_means;
-    tbb::parallel_for(Eigen::Index{0}, texels, [&](Eigen::Index t) {
+    parallel_for(Eigen::Index{0}, texels, [&](Eigen::Index t) {
       const std::span<const float> values = incident_.texel(static_cast<std::size_t>(t));
       const BtfTurn& turn = codes_.turns[static_cast<std::size_t>(t)];
       using Colors = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -124,14 +123,14 @@ class Builder {
 
   /// Brings the light into a space where distances are those of outgoing light: by what the materials see of it.
   void weigh_light() {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(light_metric_);
+    const SymmetricEigen solver(light_metric_);
     const double most = solver.eigenvalues()[solver.eigenvalues().size() - 1];
     const Eigen::VectorXd roots = most > 0.0 ? solver.eigenvalues().cwiseMax(kLeastSeen * most).cwiseSqrt().eval()
                                              : Eigen::VectorXd::Ones(incident_.bins).eval();  // black materials
     const Eigen::MatrixXf into = (roots.asDiagonal() * solver.eigenvectors().transpose()).cast<float>();
     out_of_metric_ = (solver.eigenvectors() * roots.cwiseInverse().asDiagonal()).cast<float>();
     using Colors = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
-    tbb::parallel_for(Eigen::Index{0}, arriving_.cols(), [&](Eigen::Index t) {
+    parallel_for(Eigen::Index{0}, arriving_.cols(), [&](Eigen::Index t) {
       Eigen::Map<Colors> own(arriving_.col(t).data(), incident_.bins, 3);
       own = (into * own).eval();
     });
@@ -274,7 +273,7 @@ class Builder {
     own.response = std::make_shared<const BtfResponse>(btf, spline_, BtfTurn());
     const std::size_t terms = static_cast<std::size_t>(btf.components) + 1, views = btf.views.size();
     own.factors.resize(static_cast<Eigen::Index>(3 * terms * views), static_cast<Eigen::Index>(group.texels.size()));
-    tbb::parallel_for(std::size_t{0}, group.texels.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, group.texels.size(), [&](std::size_t i) {
       if (cancel_) return;
       std::vector<glm::vec3> colors(terms);
       for (std::size_t v = 0; v < views; ++v) {

@@ -1,11 +1,10 @@
 #include "render/slf/interactions.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <map>
 
 #include "render/slf/direction_spline.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -44,7 +43,7 @@ std::shared_ptr<const Interactions> compute_interactions(const InteractionTerms&
   out->codes = terms.codes;
   const int clusters = terms.codes.light_clusters;
   out->table = Eigen::MatrixXf::Zero(terms.light.rows(), static_cast<Eigen::Index>(out->column(clusters, 0, 0, 0)));
-  tbb::parallel_for(0, clusters, [&](int light) {
+  parallel_for(0, clusters, [&](int light) {
     for (int i = 0; i < terms.codes.light_terms && !cancel; ++i) fill_columns(terms, light, i, out.get());
   });
   if (cancel) return nullptr;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "render/slf/parabolic.h"
 
@@ -10,7 +11,6 @@ namespace maquette {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// Points of the quadrature over a bin: columns, and Gauss points along each.
 constexpr int kQuadratureColumns = 512;
 constexpr std::array<double, 3> kGaussAt{0.238619186083197, 0.661209386466265, 0.932469514203152};
@@ -60,8 +60,8 @@ Lumisphere::Lumisphere(int side) : side_(side), bin_of_cell_(static_cast<std::si
       bins_.push_back(bin);
     }
   for (Bin& bin : bins_) {
-    bin.solid_angle *= 2.0 * kPi / all_solid;
-    bin.projected *= kPi / all_projected;
+    bin.solid_angle *= 2.0 * std::numbers::pi / all_solid;
+    bin.projected *= std::numbers::pi / all_projected;
     const float x0 = low(bin.cell % side_), step = low(1) - low(0);
     float sum = 0.0f;
     for (int c = 0; c < kColumns; ++c) {

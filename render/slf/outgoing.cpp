@@ -1,21 +1,20 @@
 #include "render/slf/outgoing.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "render/reference/scattering.h"
 #include "render/slf/texel_materials.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kBatch = 256;  ///< texels
 
 struct Batch {
@@ -63,7 +62,7 @@ class GroupShader {
     }
     const std::size_t count = group.texels.size(), batch = kBatch;
     std::vector<std::size_t> used((count + batch - 1) / batch, 0);
-    tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t b) {
+    parallel_for(std::size_t{0}, used.size(), [&](std::size_t b) {
       if (cancel) return;
       const std::size_t first = b * batch, size = std::min(batch, count - first);
       used[b] = shade_batch(group, transports, first, size);
@@ -131,7 +130,7 @@ Eigen::VectorXf harmonics_at(const glm::dvec3& d) {
     for (int m = 0; m <= l; ++m) {
       double ratio = 1.0;  // (l - m)! / (l + m)!
       for (int k = l - m + 1; k <= l + m; ++k) ratio /= k;
-      const double scale = std::sqrt((2 * l + 1) / (4.0 * kPi) * ratio) * (m > 0 ? std::sqrt(2.0) : 1.0);
+      const double scale = std::sqrt((2 * l + 1) / (4.0 * std::numbers::pi) * ratio) * (m > 0 ? std::sqrt(2.0) : 1.0);
       const double legendre = std::assoc_legendre(static_cast<unsigned>(l), static_cast<unsigned>(m), d.z);
       y[l * (l + 1) + m] = static_cast<float>(scale * legendre * std::cos(m * phi));
       if (m > 0) y[l * (l + 1) - m] = static_cast<float>(scale * legendre * std::sin(m * phi));
@@ -193,7 +192,7 @@ LightTransport::LightTransport(const LightResponse& response, const Lumisphere& 
   }
   norms_ = norms_.cwiseSqrt();
   mean_of_bins_.resize(bins);
-  for (int k = 0; k < bins; ++k) mean_of_bins_[k] = static_cast<float>(lumisphere.projected(k) / kPi);
+  for (int k = 0; k < bins; ++k) mean_of_bins_[k] = static_cast<float>(lumisphere.projected(k) / std::numbers::pi);
   mean_of_coefficients_ = back.transpose() * mean_of_bins_;
   for (std::size_t c = 0; c < 3; ++c) albedo_[c] = response.channels[c].rowwise().sum();
 }
@@ -267,7 +266,7 @@ void GroupShader::shade_each(const PathScene& scene, const LightFieldAtlas& atla
   const std::vector<std::uint32_t> traced_of = traced_triangles(scene);
   constexpr int kSamples = 2;
   const Eigen::MatrixXf light = spline_.from_means(kSamples);
-  tbb::parallel_for(std::size_t{0}, group.texels.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, group.texels.size(), [&](std::size_t i) {
     if (cancel) return;
     const std::uint32_t t = group.texels[i];
     const SurfacePoint p = point_of_texel(scene, atlas, t, traced_of, options_.texel_m);
@@ -289,12 +288,12 @@ void GroupShader::shade_btf(const PathScene& scene, const LightFieldAtlas& atlas
   std::map<BtfTurn, std::vector<std::size_t>> alike;
   for (std::size_t i = 0; i < count; ++i) alike[places.turns[i]].push_back(i);
   const std::vector<std::pair<BtfTurn, std::vector<std::size_t>>> sets(alike.begin(), alike.end());
-  tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t k) {
+  parallel_for(std::size_t{0}, sets.size(), [&](std::size_t k) {
     if (cancel) return;
     const BtfResponse response(*group.point.material->btf, spline_, sets[k].first);
     const std::vector<std::size_t>& members = sets[k].second;
     const std::size_t batches = (members.size() + kBatch - 1) / kBatch;
-    tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t b) {
+    parallel_for(std::size_t{0}, batches, [&](std::size_t b) {
       if (cancel) return;
       std::vector<std::uint32_t> texels;
       std::vector<BtfLookup> at;

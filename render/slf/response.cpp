@@ -1,18 +1,16 @@
 #include "render/slf/response.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include "render/reference/scattering.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A peak is what rises above so many times the median of the lobe.
 constexpr double kPeak = 4.0;
@@ -46,7 +44,7 @@ LightResponse integrate(const SurfacePoint& point, const DirectionSpline& spline
           {s.direction, s.weight * static_cast<float>(lumisphere.projected(k)), spline.shares(s.direction)});
   LightResponse response;
   response.channels.fill(Eigen::MatrixXf::Zero(static_cast<Eigen::Index>(views.size()), bins));
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t j) {
+  parallel_for(std::size_t{0}, views.size(), [&](std::size_t j) {
     SurfacePoint p = point;
     p.wo = views[j];
     std::vector<glm::vec3> sums(static_cast<std::size_t>(bins), glm::vec3(0.0f));
@@ -81,19 +79,20 @@ LightResponse compute_response_of_coefficients(const SurfacePoint& point, const 
 
 double peak_half_width(const SurfacePoint& point) {
   constexpr int kSteps = 721;
-  const double view = 0.25 * kPi;
+  const double view = 0.25 * std::numbers::pi;
   std::vector<double> values;
-  for (int i = 0; i < kSteps; ++i) values.push_back(value_at(point, view, -0.49 * kPi + 0.98 * kPi * i / (kSteps - 1)));
+  for (int i = 0; i < kSteps; ++i)
+    values.push_back(value_at(point, view, -0.49 * std::numbers::pi + 0.98 * std::numbers::pi * i / (kSteps - 1)));
   std::vector<double> sorted = values;
   std::nth_element(sorted.begin(), sorted.begin() + kSteps / 2, sorted.end());
   const double median = sorted[kSteps / 2];
   const auto top = static_cast<int>(std::max_element(values.begin(), values.end()) - values.begin());
   const double peak = values[static_cast<std::size_t>(top)];
-  if (!(peak > kPeak * median)) return kPi;
+  if (!(peak > kPeak * median)) return std::numbers::pi;
   int low = top, high = top;
   while (low > 0 && values[static_cast<std::size_t>(low)] > 0.5 * (peak + median)) --low;
   while (high + 1 < kSteps && values[static_cast<std::size_t>(high)] > 0.5 * (peak + median)) ++high;
-  return 0.5 * (high - low) * 0.98 * kPi / (kSteps - 1);
+  return 0.5 * (high - low) * 0.98 * std::numbers::pi / (kSteps - 1);
 }
 
 int lumisphere_side_for(double width) { return static_cast<int>(std::ceil(kBinsAPeak / std::max(width, 1e-3))); }

@@ -1,13 +1,12 @@
 #include "render/slf/texel_materials.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <map>
 
 #include "render/reference/path_scene.h"
 #include "render/slf/incident.h"
 #include "render/slf/outgoing.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -90,7 +89,7 @@ BtfTexels place_btf_texels(const PathScene& scene, const LightFieldAtlas& atlas,
                            float texel_m) {
   const std::vector<std::uint32_t> traced_of = traced_triangles(scene);
   BtfTexels places{std::vector<BtfLookup>(texels.size()), std::vector<BtfTurn>(texels.size())};
-  tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, texels.size(), [&](std::size_t i) {
     const SurfacePoint p = point_of_texel(scene, atlas, texels[i], traced_of, texel_m);
     const TexelFrame frame = frame_of_texel(scene.geometry, atlas, texels[i]);
     places.lookups[i] = p.btf;

@@ -1,7 +1,5 @@
 #include "render/triangle/reflections.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <span>
@@ -11,6 +9,7 @@
 #include "render/reflections/nearest_hits.h"
 #include "render/triangle/facets.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -117,7 +116,7 @@ class TriangleReflections : public ReflectorTechnique {
   /// Finds the clusters that may be visible in each facet.
   void find_pairs(const ReflectionFrame& frame) {
     std::vector<std::vector<glm::uvec2>> found(facets_.size());
-    tbb::parallel_for(std::size_t{0}, facets_.size(), [&](std::size_t f) {
+    parallel_for(std::size_t{0}, facets_.size(), [&](std::size_t f) {
       const Facet& facet = facets_[f];
       for (std::size_t i = 0; i < clusters_.of_item.size(); ++i) {
         if (!(*frame.occluding)[i] || i == (*frame.reflectors)[facet.reflector].item) continue;

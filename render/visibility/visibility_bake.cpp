@@ -1,8 +1,6 @@
 #include "render/visibility/visibility_bake.h"
 
 #include <embree3/rtcore.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +14,7 @@
 #include "render/raytraced/ray_device.h"
 #include "render/visibility/visibility_points.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -269,17 +268,16 @@ Traced trace_points(const VisibilityPoints& points, const Panes& panes, const st
   if (!scene || !pane_scene) return traced;
   const CellDirections cells;
   ProgressReport report(progress, points.points.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.points.size(), kPointsPerTask),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                        if (cancel) return;
-                        const VisibilityPoint& at = points.points[i];
-                        if (!points.triangles.empty()) traced.bits[i] = trace_point(scene.get(), at, cells);
-                        if (!panes.passages.empty())
-                          traced.transmittance[i] = trace_transmittance(pane_scene.get(), at, traced.bits[i], cells);
-                      }
-                      report.add(range.size());
-                    });
+  parallel_ranges<std::size_t>(0, points.points.size(), kPointsPerTask, [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      if (cancel) return;
+      const VisibilityPoint& at = points.points[i];
+      if (!points.triangles.empty()) traced.bits[i] = trace_point(scene.get(), at, cells);
+      if (!panes.passages.empty())
+        traced.transmittance[i] = trace_transmittance(pane_scene.get(), at, traced.bits[i], cells);
+    }
+    report.add(range.size());
+  });
   return traced;
 }
 

@@ -1,8 +1,5 @@
 #include "render/visibility/visibility_sides.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -11,6 +8,7 @@
 #include "render/math/low_discrepancy.h"
 #include "render/math/shared_formulas.h"
 #include "render/math/wide.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -180,11 +178,9 @@ std::vector<VisibilitySides> visibility_sides(const std::vector<VisibilityBits>&
                                               const std::vector<glm::vec3>& normals) {
   static const Map map;
   std::vector<VisibilitySides> sides(bits.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, bits.size(), 1024),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t v = range.begin(); v < range.end(); ++v)
-                        sides[v] = sides_of(map, bits[v], normals[v]);
-                    });
+  parallel_ranges<std::size_t>(0, bits.size(), 1024, [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) sides[v] = sides_of(map, bits[v], normals[v]);
+  });
   return sides;
 }
 

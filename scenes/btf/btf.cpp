@@ -1,7 +1,5 @@
 #include "scenes/btf/btf.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "scenes/btf/half_floats.h"
 #include "scenes/files.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -178,7 +177,7 @@ glm::vec3 evaluate_btf(const Btf& btf, const BtfLookup& at, const glm::vec3& wi,
 void complete_btf(Btf* btf) {
   const std::vector<BtfLevel> levels = btf_levels(btf->width, btf->height, btf->components);
   const std::size_t count = 3 * (1 + static_cast<std::size_t>(btf->components));
-  tbb::parallel_for(std::size_t{0}, btf->views.size(), [&](std::size_t v) {
+  parallel_for(std::size_t{0}, btf->views.size(), [&](std::size_t v) {
     std::vector<std::uint16_t>* factors = &btf->views[v].factors;
     factors->resize(levels.back().offset + count);
     for (std::size_t i = 1; i < levels.size(); ++i) filter_level(levels[i - 1], levels[i], count, factors);

@@ -11,6 +11,10 @@
 
 namespace maquette {
 
+/// Limits of a BTF that is read; larger counts are taken for a damaged file.
+inline constexpr int kMostBtfSide = 8192;  ///< texels
+inline constexpr std::uint32_t kMostBtfViews = 4096, kMostBtfLights = 4096;
+
 /// Numbers of a view that its factorisation drops or that describe its images; kept in the file.
 struct BtfViewFigures {
   std::vector<float> spectrum;  ///< energy of the first kBtfSpectrum components, whether stored or not

@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -13,13 +12,14 @@
 #include "scenes/btf/btf_values.h"
 #include "scenes/btf/half_floats.h"
 #include "scenes/error.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
 namespace {
 
 constexpr std::size_t kSignature = 10;
-constexpr std::uint32_t kMostSide = 8192, kMostViews = 4096, kMostLights = 4096, kMostComponents = 4096;
+constexpr std::uint32_t kMostComponents = 4096;
 constexpr std::uint32_t kMostVersion = 16;
 constexpr double kLogOffset = 1e-5;  // of colour model 11
 constexpr int kPlainColours = 0, kLogLuminance = 11;
@@ -93,8 +93,8 @@ class Container {
     read_signature();
     read_description();
     read_directions();
-    header_.width = in_.count("texels a row", 1, kMostSide);
-    header_.height = in_.count("rows", 1, kMostSide);
+    header_.width = in_.count("texels a row", 1, kMostBtfSide);
+    header_.height = in_.count("rows", 1, kMostBtfSide);
     for (const auto& lights : header_.lights)
       if (lights.size() * header_.texels() * 3 * sizeof(float) > kMostViewBytes)
         throw Error(path_, "the images of one view are more than 4 GiB", "use a smaller one");
@@ -165,10 +165,10 @@ class Container {
   }
 
   void read_directions() {
-    const std::uint32_t views = in_.count("views", 1, kMostViews);
+    const std::uint32_t views = in_.count("views", 1, kMostBtfViews);
     for (std::uint32_t v = 0; v < views; ++v) {
       header_.views.push_back(read_direction("views"));
-      const std::uint32_t count = in_.count("lights of a view", 1, kMostLights);
+      const std::uint32_t count = in_.count("lights of a view", 1, kMostBtfLights);
       std::vector<glm::dvec3> lights;
       for (std::uint32_t l = 0; l < count; ++l) {
         lights.push_back(read_direction("lights"));
@@ -208,7 +208,7 @@ class Container {
   void add_view(std::size_t v, std::vector<float>* values) {
     const std::size_t row = header_.texels() * 3;
     const std::vector<glm::dvec3>& lights = header_.lights[v];
-    tbb::parallel_for(std::size_t{0}, lights.size(), [&](std::size_t l) {
+    parallel_for(std::size_t{0}, lights.size(), [&](std::size_t l) {
       const float scale = rho_of_value(header_.cosine, lights[l]);
       for (float* x = values->data() + l * row; x != values->data() + (l + 1) * row; ++x)
         *x = (reading_.gamma > 0.0 && reading_.gamma != 1.0 ? linear_of_encoded(*x, reading_.gamma) : *x) * scale;
@@ -295,7 +295,7 @@ class Container {
       std::vector<float> values(static_cast<std::size_t>(lights) * header_.texels() * 3);
       const auto texels = static_cast<Eigen::Index>(header_.texels());
       constexpr Eigen::Index kBlock = 1024;
-      tbb::parallel_for(Eigen::Index{0}, (texels + kBlock - 1) / kBlock, [&](Eigen::Index b) {
+      parallel_for(Eigen::Index{0}, (texels + kBlock - 1) / kBlock, [&](Eigen::Index b) {
         const Eigen::Index begin = b * kBlock, count = std::min(kBlock, texels - begin);
         std::array<RowMatrix, 3> part;
         for (std::size_t c = 0; c < 3; ++c)
@@ -316,7 +316,7 @@ class Container {
   // ----
 
   void read_images() {
-    const std::uint32_t chunk_rows = in_.count("rows a chunk", 1, kMostSide);
+    const std::uint32_t chunk_rows = in_.count("rows a chunk", 1, kMostBtfSide);
     const auto compression = in_.get<std::uint8_t>("compression");
     if (compression != 2)
       throw Error(path_, "is a BDIF of compression " + std::to_string(compression) + ", only 2 (plain) is read",

@@ -27,8 +27,6 @@ namespace {
 constexpr const char* kVersion = "1";
 constexpr const char* kVersionName = "maquette.btf";
 constexpr const char* kPrefix = "maquette.btf.";
-constexpr int kMostSide = 8192;
-constexpr std::size_t kMostViews = 4096, kMostLights = 4096;
 constexpr std::size_t kMostFactors = std::size_t{1} << 33;  // of all views, in half floats
 
 std::string one_line(std::string text) {
@@ -212,7 +210,7 @@ class Reader {
       throw Error(path_, "is no factorised BTF of this version",
                   "name a folder of images, a .btf file or builtin:btf-leather");
     Btf btf;
-    const std::size_t views = count_attribute(path_, first, "maquette.btf_views", 1, kMostViews);
+    const std::size_t views = count_attribute(path_, first, "maquette.btf_views", 1, kMostBtfViews);
     btf.components = static_cast<int>(
         count_attribute(path_, first, "maquette.btf_components", 0, static_cast<std::size_t>(kMostBtfComponents)));
     const Imath::Box2i window = first.dataWindow();
@@ -236,8 +234,8 @@ class Reader {
 
  private:
   void check(const Btf& btf, const Imath::Box2i& window, std::size_t views) {
-    if (window.min.x != 0 || window.min.y != 0 || btf.width < 1 || btf.height < 1 || btf.width > kMostSide ||
-        btf.height > kMostSide)
+    if (window.min.x != 0 || window.min.y != 0 || btf.width < 1 || btf.height < 1 || btf.width > kMostBtfSide ||
+        btf.height > kMostBtfSide)
       throw damaged(path_, "it has " + std::to_string(btf.width) + " x " + std::to_string(btf.height) + " texels");
     const std::size_t factors = static_cast<std::size_t>(btf.width) * static_cast<std::size_t>(btf.height) * 3 *
                                 (1 + static_cast<std::size_t>(btf.components)) * views;
@@ -270,7 +268,7 @@ class Reader {
     FloatTable views = empty_views(count);
     read_table(static_cast<int>(count), "views", &views);
     const Imath::Box2i window = input_.header(static_cast<int>(count) + 1).dataWindow();
-    const auto most = static_cast<std::size_t>(std::clamp(window.max.x + 1, 1, static_cast<int>(kMostLights)));
+    const auto most = static_cast<std::size_t>(std::clamp(window.max.x + 1, 1, static_cast<int>(kMostBtfLights)));
     FloatTable lights = empty_lights(count, most, components);
     read_table(static_cast<int>(count) + 1, "lights", &lights);
     std::map<std::vector<float>, std::shared_ptr<const DirectionMesh>> meshes;  // views often share theirs

@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cctype>
@@ -13,6 +12,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/image_io.h"
+#include "scenes/parallel.h"
 #include "scenes/texture_formats.h"
 
 namespace maquette {
@@ -21,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostSide = 8192;
 constexpr std::size_t kMostNamed = 5;  // of the missing images
 
 /// A direction as its angles in thousandths of a degree: names repeat them exactly. The pole has one azimuth.
@@ -184,7 +183,7 @@ class ViewReader {
     std::vector<std::pair<AngleKey, std::string>> list(images.begin(), images.end());
     if (width_ == 0) {
       const PlainImage first = load_plain(list[0].second, reading_.gamma);
-      if (first.width > kMostSide || first.height > kMostSide)
+      if (first.width > kMostBtfSide || first.height > kMostBtfSide)
         throw Error(list[0].second, "has more than 8,192 texels a side", "make the images smaller");
       width_ = first.width;
       height_ = first.height;
@@ -194,7 +193,7 @@ class ViewReader {
     if (list.size() * texels * 3 * sizeof(float) > kMostViewBytes)
       throw Error(folder_, "the images of one view are more than 4 GiB", "make them smaller");
     std::vector<float> values(list.size() * texels * 3);
-    tbb::parallel_for(std::size_t{0}, list.size(), [&](std::size_t l) {
+    parallel_for(std::size_t{0}, list.size(), [&](std::size_t l) {
       const PlainImage image = load_plain(list[l].second, reading_.gamma);
       if (image.width != width_ || image.height != height_)
         throw Error(list[l].second,
@@ -288,7 +287,7 @@ std::uint64_t btf_content_key(const std::string& source) {
       if (parse_btf_angles(fs::path(path).filename().string(), &ignored)) paths.push_back(path);
   }
   std::vector<std::uint64_t> hashes(paths.size());
-  tbb::parallel_for(std::size_t{0}, paths.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, paths.size(), [&](std::size_t i) {
     const std::string name = fs::path(paths[i]).filename().string();
     const std::vector<std::byte> bytes = read_file(paths[i], std::size_t{64} << 30);
     hashes[i] = content_hash(bytes, content_hash(std::as_bytes(std::span(name))));

@@ -1,15 +1,13 @@
 #include "scenes/btf/factorise.h"
 
-#include <tbb/parallel_for.h>
-
-#include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "scenes/btf/half_floats.h"
+#include "scenes/linear_algebra.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -24,7 +22,7 @@ constexpr Eigen::Index kBlock = 3072;
 void describe(const Images& images, const std::vector<double>& shares, BtfViewFigures* figures) {
   const Eigen::Index texels = images.cols() / 3;
   std::vector<double> variance(shares.size()), mean(shares.size()), dark(shares.size());
-  tbb::parallel_for(std::size_t{0}, shares.size(), [&](std::size_t l) {
+  parallel_for(std::size_t{0}, shares.size(), [&](std::size_t l) {
     const float* row = images.data() + static_cast<Eigen::Index>(l) * images.cols();
     const auto y = [&](Eigen::Index t) { return luminance(glm::dvec3(row[3 * t], row[3 * t + 1], row[3 * t + 2])); };
     double sum = 0.0, squares = 0.0;
@@ -56,7 +54,7 @@ Eigen::MatrixXd gram_matrix(const Images& images) {
   std::vector<Eigen::MatrixXf> parts(kRound);
   for (Eigen::Index first = 0; first < blocks; first += kRound) {
     const Eigen::Index count = std::min(kRound, blocks - first);
-    tbb::parallel_for(Eigen::Index{0}, count, [&](Eigen::Index i) {
+    parallel_for(Eigen::Index{0}, count, [&](Eigen::Index i) {
       const Eigen::Index begin = (first + i) * kBlock, width = std::min(kBlock, images.cols() - begin);
       const auto block = images.middleCols(begin, width);
       parts[static_cast<std::size_t>(i)] = block * block.transpose();
@@ -70,7 +68,7 @@ Eigen::MatrixXd gram_matrix(const Images& images) {
 void write_factors(const Eigen::RowVectorXf& mean, const RowMatrix& components, std::vector<std::uint16_t>* factors) {
   const Eigen::Index texels = mean.cols() / 3, count = components.rows();
   factors->resize(static_cast<std::size_t>(texels * 3 * (1 + count)));
-  tbb::parallel_for(Eigen::Index{0}, texels, [&](Eigen::Index t) {
+  parallel_for(Eigen::Index{0}, texels, [&](Eigen::Index t) {
     std::uint16_t* out = factors->data() + t * 3 * (1 + count);
     for (Eigen::Index k = 0; k < 3; ++k) *out++ = half_of_float(mean[3 * t + k]);
     for (Eigen::Index c = 0; c < count; ++c)
@@ -107,7 +105,7 @@ BtfView factorise_btf_view(const glm::dvec3& direction, const BtfLights& lights,
   const Eigen::RowVectorXf mean = shares.cast<float>().transpose() * x;
   x.rowwise() -= mean;
   const Eigen::MatrixXd scaled = roots.asDiagonal() * gram_matrix(x) * roots.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+  const SymmetricEigen solver(scaled);
 
   RowMatrix basis = RowMatrix::Zero(components, light_count);  // roots times weights
   view.light_weights.assign(static_cast<std::size_t>(light_count * components), 0.0f);

@@ -9,6 +9,7 @@
 #include "test_paths.h"
 #include "tests/benchmarks/stage.h"
 #include "ui/layout.h"
+#include "viewer/stats.h"
 #include "viewer/window_paths.h"
 #include "viewer/window_picture.h"
 #include "viewer/window_session.h"
@@ -18,12 +19,6 @@ namespace {
 
 constexpr double kSwitch_ms = 150.0, kOverMedian_ms = 50.0, kPatience_ms = 300e3;
 constexpr int kRestFrames = 4;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The loop of a window of 1280 x 720, both sides open, without its panels.
 class BareWindow {

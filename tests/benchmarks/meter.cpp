@@ -8,7 +8,7 @@
 namespace maquette::bench {
 namespace {
 
-constexpr double kPatience_ms = 60e3, kTarget_ms = 2e3;
+constexpr double kMeterPatience_ms = 60e3, kTarget_ms = 2e3;
 
 struct Answer {
   double wall_ms = 0.0;
@@ -22,7 +22,7 @@ Answer wait_for_answer(Stage& stage, const FrameRequest& request, ErrorMeter* me
   Answer answer;
   const Clock start = now();
   meter->watch(view, make_scene);
-  while (!answer.error && (now() - start).wall_ms < kPatience_ms) {
+  while (!answer.error && (now() - start).wall_ms < kMeterPatience_ms) {
     stage.renderer().render(request, true);
     std::uint64_t version = 0;
     if (const auto reference = meter->newest(&version)) {

@@ -6,6 +6,7 @@
 
 #include "scenes/image_io.h"
 #include "tests/benchmarks/stage.h"
+#include "viewer/stats.h"
 
 namespace maquette::bench {
 namespace {
@@ -26,11 +27,6 @@ FrameRequest step(Stage& stage, const FrameRequest& base, bool light, int k) {
   r.camera.target = glm::mix(base.camera.target, to.target, static_cast<float>(t));
   r.camera.fov_y_rad = glm::mix(base.camera.fov_y_rad, to.fov_y_rad, static_cast<float>(t));
   return r;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 /// The picture in the middle of the path, to be looked at.

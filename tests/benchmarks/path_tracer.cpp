@@ -1,5 +1,4 @@
 // The reference path tracer: rays a second, agreement with closed forms and with `uniform`, error against time.
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include "render/reference/traversal.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 #include "tests/benchmarks/embree_triangles.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/cornell.h"
@@ -43,7 +43,7 @@ EmbreeScene build_triangles(const PathScene& scene) {
 /// Embree's time for the rays one by one: no filters, no shading.
 double embree_alone_ms(RTCScene scene, const std::vector<LoggedRay>& rays) {
   const Clock start = now();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
+  parallel_ranges<std::size_t>(0, rays.size(), 1024, [&](const auto& range) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
@@ -207,7 +207,7 @@ void measure_cornell(Figures* figures) {
   const test::CornellView view(12);
   const std::vector<test::CornellPixel> pixels = view.pixels(radiosity);
   std::vector<double> seen(pixels.size()), exact(pixels.size());
-  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) {
     const test::SurfaceHit& hit = pixels[i].hit;
     exact[i] = luminance(hit.albedo / std::numbers::pi * radiosity.irradiance(hit.position, hit.normal, 4096));
     const glm::dvec3 eye = hit.position + 0.01 * (glm::dvec3(0.0, 2.73, 10.8) - hit.position);

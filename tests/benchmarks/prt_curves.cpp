@@ -20,14 +20,15 @@
 #include "scenes/image_io.h"
 #include "tests/benchmarks/prt_cloth.h"
 #include "tests/benchmarks/stage.h"
+#include "tests/support/never.h"
 #include "tests/support/transfer_reference.h"
 #include "viewer/report/charts.h"
+#include "viewer/stats.h"
 
 namespace maquette::bench {
 namespace {
 
-constexpr int kWidth = 160, kHeight = 120;
-const std::atomic<bool> kNever{false};
+constexpr int kCurveWidth = 160, kCurveHeight = 120;
 
 struct Curve {
   std::string name;
@@ -126,8 +127,8 @@ class ClothBench {
   FrameRequest request(const Settings& s, int coefficients) const {
     FrameRequest r;
     r.mode = "prt";
-    r.width = kWidth;
-    r.height = kHeight;
+    r.width = kCurveWidth;
+    r.height = kCurveHeight;
     r.camera = camera_;
     r.settings = s;
     r.settings.set("prt.coefficients", coefficients);
@@ -147,7 +148,7 @@ class ClothBench {
     const int rays = faces > 16 ? 1 : settings().get_int("prt.rays");
     return test::trace_transfer_reference(
         {*traced, cube, CubePyramid(*sky_).resample(cube, environment_rotation(0.0)), rays, components}, camera_,
-        kWidth, kHeight);
+        kCurveWidth, kCurveHeight);
   }
 
   /// Figure 10.8: principal components of all vertices against those of clusters, at equal counts.
@@ -299,10 +300,6 @@ class ClothBench {
     turning.frame_ms = median(frames);
     return turning;
   }
-  static double median(std::vector<double> v) {
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-    return v[v.size() / 2];
-  }
 
   /// Section 10.2.6: all views in one factorisation, against plain sums with all components of the BTF.
   void measure_forms() {
@@ -374,14 +371,17 @@ class ClothBench {
       s.set("prt.bake", s.get_string("prt.bake") + "-bounces" + std::to_string(bounces));
       const double seconds = bake(s);
       const Image picture = draw(request(s, 64));
-      const PictureRequest p{
-          .camera = camera_, .width = kWidth, .height = kHeight, .seed = 7, .paths = {.max_bounces = 1 + bounces}};
+      const PictureRequest p{.camera = camera_,
+                             .width = kCurveWidth,
+                             .height = kCurveHeight,
+                             .seed = 7,
+                             .paths = {.max_bounces = 1 + bounces}};
       ReferencePicture tracer(traced, p);
       tracer.add(std::max(64, static_cast<int>(stage_.options().reference_seconds * 8.0)));
       const Image mean = tracer.mean();
       Image traced_picture = picture;
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
+      for (int y = 0; y < kCurveHeight; ++y)
+        for (int x = 0; x < kCurveWidth; ++x)
           for (int c = 0; c < 3; ++c) traced_picture.at(x, y, c) = mean.at(x, y, c);
       const Turning turning = turn(request(s, 20));
       figures_.push_back(

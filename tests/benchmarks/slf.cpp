@@ -20,7 +20,7 @@
 namespace maquette::bench {
 namespace {
 
-constexpr int kWidth = 160, kHeight = 120;
+constexpr int kSlfWidth = 160, kSlfHeight = 120;
 constexpr const char* kParts = "seat_cushion;seat_cushion_insert;seat_backrest;seat_backrest_insert;seat_headrest";
 
 struct Cover {
@@ -69,7 +69,7 @@ std::shared_ptr<const Scene> seat_covered(const Material& cover) {
 }
 
 /// Squared error of a picture without the noise of two independent references, over the pixels of the mask.
-struct Sums {
+struct SlfSums {
   double squares = 0.0, light = 0.0;
   std::size_t count = 0;
   double relative() const {
@@ -77,10 +77,10 @@ struct Sums {
                ? std::sqrt(std::max(squares, 0.0) / static_cast<double>(3 * count)) * static_cast<double>(count) / light
                : 0.0;
   }
-  void add(const Sums& other) { squares += other.squares, light += other.light, count += other.count; }
+  void add(const SlfSums& other) { squares += other.squares, light += other.light, count += other.count; }
 };
-Sums compare(const Image& picture, const Image* references, const Image& mask) {
-  Sums sums;
+SlfSums compare(const Image& picture, const Image* references, const Image& mask) {
+  SlfSums sums;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
       if (!(mask.at(x, y, 0) + mask.at(x, y, 1) + mask.at(x, y, 2) > 0.0f)) continue;
@@ -124,8 +124,8 @@ class SeatBench {
   FrameRequest request(const Scene& scene, const std::string& camera) const {
     FrameRequest r;
     r.mode = "slf";
-    r.width = kWidth;
-    r.height = kHeight;
+    r.width = kSlfWidth;
+    r.height = kSlfHeight;
     r.camera = find_camera(scene, camera);
     r.settings = settings_;
     return r;
@@ -143,7 +143,7 @@ class SeatBench {
   void measure_exchange(Figures* figures) {
     const std::vector<Cover> all = covers();
     const Cover &baked = all[0], &shows = all[1];
-    Sums exchanged;
+    SlfSums exchanged;
     Renderer& renderer = stage_.renderer();
     const auto scene = seat_covered(baked.material), truth = seat_covered(shows.material);
     const auto sky = test::constant_sky(0.0f);
@@ -169,7 +169,7 @@ class SeatBench {
   std::array<Image, 2> references_of(const std::shared_ptr<const PathScene>& scene, const FrameRequest& r) const {
     std::array<Image, 2> references;
     for (std::uint32_t k = 0; k < 2; ++k) {
-      PictureRequest p{.camera = r.camera, .width = kWidth, .height = kHeight, .seed = 100 + k, .paths = {}};
+      PictureRequest p{.camera = r.camera, .width = kSlfWidth, .height = kSlfHeight, .seed = 100 + k, .paths = {}};
       ReferencePicture picture(scene, p);
       picture.add(paths_);
       references[k] = picture.mean();
@@ -190,7 +190,7 @@ class SeatBench {
       return;
     }
     const auto path_scene = build_path_scene({.scene = *scene, .environment = sky});
-    Sums stored, compressed;
+    SlfSums stored, compressed;
     double bake_s = 0.0;
     for (const Camera& camera : scene->cameras) {
       FrameRequest r = request(*scene, camera.name);
@@ -203,7 +203,7 @@ class SeatBench {
         renderer.render(r);
         const Image picture = renderer.read_radiance();
         const Image mask = renderer.read_debug_view("slf_texels");
-        const Sums sums = compare(picture, references.data(), mask);
+        const SlfSums sums = compare(picture, references.data(), mask);
         (packs ? compressed : stored).add(sums);
         if (!stage_.options().charts.empty() && packs) save_picture("mask-" + camera.name, mask, picture);
         if (!stage_.options().charts.empty())
@@ -232,8 +232,8 @@ class SeatBench {
   /// moves, medians; of processor time where the device is software.
   void measure_drawing(FrameRequest r, const std::string& name, Figures* figures) {
     constexpr int kFrames = 15, kBefore = 2;
-    r.width = 4 * kWidth;
-    r.height = 4 * kHeight;
+    r.width = 4 * kSlfWidth;
+    r.height = 4 * kSlfHeight;
     r.settings.set("slf.clusters", 128);
     Renderer& renderer = stage_.renderer();
     std::vector<double> each_ns[2];
@@ -396,8 +396,8 @@ class SeatBench {
   /// All parts whole, at the paper's view.
   void save_local(const Scene& scene) {
     FrameRequest r = request(scene, scene.cameras.front().name);
-    r.width = 4 * kWidth;
-    r.height = 4 * kHeight;
+    r.width = 4 * kSlfWidth;
+    r.height = 4 * kSlfHeight;
     r.settings.set("slf.clusters", 128);
     save_beside_local_lighting(stage_, r, stage_.options().charts);
   }

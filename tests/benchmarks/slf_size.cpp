@@ -16,12 +16,12 @@ namespace maquette::bench {
 
 namespace {
 
-constexpr int kWidth = 1024;
+constexpr int kAtlasWidth = 1024;
 
 /// [pixel] R, G, B.
 std::size_t bytes_of_zip(const std::vector<std::array<half, 3>>& pixels, const std::string& path) {
-  const int height = static_cast<int>(pixels.size()) / kWidth;
-  Imf::Header header(kWidth, height);
+  const int height = static_cast<int>(pixels.size()) / kAtlasWidth;
+  Imf::Header header(kAtlasWidth, height);
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer buffer;
   const char* const names[] = {"R", "G", "B"};
@@ -29,7 +29,7 @@ std::size_t bytes_of_zip(const std::vector<std::array<half, 3>>& pixels, const s
     header.channels().insert(names[c], Imf::Channel(Imf::HALF));
     // The library reads through a pointer to char.
     auto* first = reinterpret_cast<char*>(const_cast<half*>(&pixels[0][c]));
-    buffer.insert(names[c], Imf::Slice(Imf::HALF, first, sizeof pixels[0], kWidth * sizeof pixels[0]));
+    buffer.insert(names[c], Imf::Slice(Imf::HALF, first, sizeof pixels[0], kAtlasWidth * sizeof pixels[0]));
   }
   {
     Imf::OutputFile file(path.c_str(), header);
@@ -45,7 +45,7 @@ std::size_t bytes_of_zip(const std::vector<std::array<half, 3>>& pixels, const s
 
 std::size_t bytes_of_slices(const OutgoingField& field, const std::string& scratch) {
   const auto texels = static_cast<std::size_t>(field.radiance.cols());
-  std::vector<std::array<half, 3>> pixels((texels + kWidth - 1) / kWidth * kWidth);
+  std::vector<std::array<half, 3>> pixels((texels + kAtlasWidth - 1) / kAtlasWidth * kAtlasWidth);
   std::filesystem::create_directories(scratch);
   std::size_t bytes = 0;
   for (Eigen::Index bin = 0; bin < field.radiance.rows() / 3; ++bin) {

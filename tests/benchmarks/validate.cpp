@@ -14,8 +14,6 @@
 namespace maquette::bench {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Pairs of predicted and measured values.
 struct Pairs {
   std::vector<double> predicted, measured;
@@ -205,7 +203,7 @@ std::shared_ptr<Environment> make_wave_sky(int m) {
   sky->rgb.reserve(1024 * 512);
   for (int y = 0; y < sky->height; ++y)
     for (int x = 0; x < sky->width; ++x)
-      sky->rgb.emplace_back(static_cast<float>(1.0 + std::cos(m * 2.0 * kPi * (x + 0.5) / sky->width)));
+      sky->rgb.emplace_back(static_cast<float>(1.0 + std::cos(m * 2.0 * std::numbers::pi * (x + 0.5) / sky->width)));
   sky->hash = 0x5ca1ab1eu + static_cast<std::uint64_t>(m);
   return sky;
 }
@@ -237,8 +235,8 @@ Figures measure_mirror(Stage& stage) {
       for (int x = c.width * 3 / 10; x < c.width * 7 / 10; ++x) {
         if (predicted.at(x, y, 3) < 1.0f) continue;
         double rotation = reflected_longitude(r, x + 1.0) - reflected_longitude(r, x);
-        rotation = std::abs(std::remainder(rotation, 2.0 * kPi));
-        ratios.push_back(predicted.at(x, y) / (m / (2.0 * kPi) * rotation));
+        rotation = std::abs(std::remainder(rotation, 2.0 * std::numbers::pi));
+        ratios.push_back(predicted.at(x, y) / (m / (2.0 * std::numbers::pi) * rotation));
       }
     }
     const double ratio = test::median(ratios);
@@ -259,13 +257,13 @@ Figures measure_mirror(Stage& stage) {
 
 namespace {
 
-/// Sums over one set of cases.
-struct Sums {
+/// ValidationSums over one set of cases.
+struct ValidationSums {
   std::vector<Pairs> bandwidth = std::vector<Pairs>(definitions().size());
   Pairs variance;
 };
 
-Figures measure_case(Stage& stage, Case c, Sums* sums) {
+Figures measure_case(Stage& stage, Case c, ValidationSums* sums) {
   constexpr int kSamples = 64;
   Figures figures;
   c.plain = true;  // light is interpolated, and the prediction is for light
@@ -291,7 +289,7 @@ Figures measure_case(Stage& stage, Case c, Sums* sums) {
   return figures;
 }
 
-void show_sums(const std::string& set, const Sums& sums, Figures* figures) {
+void show_sums(const std::string& set, const ValidationSums& sums, Figures* figures) {
   const std::vector<Definition> all = definitions();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (sums.bandwidth[i].predicted.empty()) continue;
@@ -308,13 +306,13 @@ void show_sums(const std::string& set, const Sums& sums, Figures* figures) {
 Figures measure_validation(Stage& stage) {
   Figures figures;
   if (stage.options().wants("mirror")) figures = measure_mirror(stage);
-  const auto measure = [&](const std::vector<Case>& cases, Sums* sums) {
+  const auto measure = [&](const std::vector<Case>& cases, ValidationSums* sums) {
     for (const Case& c : cases) {
       if (!stage.options().wants(c.name)) continue;
       for (Figure& f : measure_case(stage, c, sums)) figures.push_back(std::move(f));
     }
   };
-  Sums sky, grace;
+  ValidationSums sky, grace;
   measure(quality_cases(stage.options()), &sky);
   measure(research_cases(stage.options()), &grace);  // many small lamps: the paper's validation
   show_sums("all", sky, &figures);

@@ -214,7 +214,7 @@ void mutate(Json* root, const std::vector<Json::json_pointer>& places, std::mt19
   if (parent.is_array()) parent.erase(parent.begin());
 }
 
-void expect_sound(const Scene& scene) {
+void expect_sound_members(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     for (const Primitive& primitive : mesh.primitives) {
       for (const std::uint32_t index : primitive.indices) ASSERT_LT(index, primitive.positions.size());
@@ -259,7 +259,7 @@ TEST(GltfFuzz, WrongMembersLoadOrSayWhy) {
     const int changes = 1 + static_cast<int>(random() % 3);
     for (int change = 0; change < changes; ++change) mutate(&root, places, &random);
     try {
-      expect_sound(load(root));
+      expect_sound_members(load(root));
       ++loaded;
     } catch (const Error& e) {
       const std::string line = e.what();

@@ -47,7 +47,7 @@ std::string damaged(std::string bytes, std::mt19937* random) {
   return bytes;
 }
 
-class ImageFuzz : public testing::TemporaryFolder {
+class ImageFuzz : public test::TemporaryFolder {
  protected:
   ImageFuzz() : random_(test::test_seed(17)) {}
 

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class KeysOfBakes : public testing::TemporaryFolder {
+class KeysOfBakes : public test::TemporaryFolder {
  protected:
   void SetUp() override {
     TemporaryFolder::SetUp();

@@ -52,7 +52,7 @@ FrameRequest request_of(const std::string& mode, const std::string& visibility) 
 }
 
 /// All tests draw by this function: no picture may contain NaN or cause a GL error.
-Image draw(Renderer* renderer, const FrameRequest& request) {
+Image draw_checked(Renderer* renderer, const FrameRequest& request) {
   EXPECT_TRUE(renderer->finish_background_work(request));
   renderer->render(request);
   const Image image = renderer->read_radiance();
@@ -86,11 +86,11 @@ TEST_P(LightAndGlass, ClosedBoxIsBlackInsideAndOnlyWithVisibility) {
   FrameRequest request = request_of(GetParam(), "baked");
   request.camera.eye = {0.3f, 0.2f, 0.8f};
   request.camera.target = {0.0f, 0.0f, -1.0f};
-  EXPECT_LT(mean(draw(&renderer, request)), kLeak);
+  EXPECT_LT(mean(draw_checked(&renderer, request)), kLeak);
   request.settings.set_from_text("shading.visibility", "none");
-  EXPECT_NEAR(mean(draw(&renderer, request)), 0.5, 0.02);
+  EXPECT_NEAR(mean(draw_checked(&renderer, request)), 0.5, 0.02);
   request.settings.set_from_text("shading.visibility", "auto");  // it closes the eye in
-  EXPECT_LT(mean(draw(&renderer, request)), kLeak);
+  EXPECT_LT(mean(draw_checked(&renderer, request)), kLeak);
 }
 
 TEST_P(LightAndGlass, OpenPlaneIsTheSameWithVisibility) {
@@ -101,10 +101,10 @@ TEST_P(LightAndGlass, OpenPlaneIsTheSameWithVisibility) {
   request.camera.eye = {0.0f, 1.0f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.5f;
-  const double baked = mean(draw(&renderer, request));
+  const double baked = mean(draw_checked(&renderer, request));
   request.settings.set_from_text("shading.visibility", "none");
   EXPECT_NEAR(baked, 1.0, 0.02);
-  EXPECT_NEAR(baked, mean(draw(&renderer, request)), 0.02);
+  EXPECT_NEAR(baked, mean(draw_checked(&renderer, request)), 0.02);
 }
 
 /// Under an open-topped box of height 2: the view factor of a 2 x 2 square from a point under its middle. The map's
@@ -123,7 +123,7 @@ TEST_P(LightAndGlass, OpenTopLightsTheFloorByItsViewFactor) {
   const double x = 0.5;  // half side over distance
   const double root = std::sqrt(1.0 + x * x);
   const double corner = 2.0 / (2.0 * 3.14159265358979) * (x / root) * std::atan(x / root);
-  EXPECT_NEAR(mean(draw(&renderer, request)), 0.5 * 4.0 * corner, 0.2 * 0.5 * 4.0 * corner);
+  EXPECT_NEAR(mean(draw_checked(&renderer, request)), 0.5 * 4.0 * corner, 0.2 * 0.5 * 4.0 * corner);
 }
 
 TEST_P(LightAndGlass, PictureIsDrawnWithoutTheBakeUntilItIsReady) {
@@ -147,7 +147,7 @@ TEST_P(LightAndGlass, EmptySceneHasNothingToBake) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>());
   renderer.set_environment(constant_sky(2.0f));
-  EXPECT_NEAR(mean(draw(&renderer, request_of(GetParam(), "baked"))), 2.0, 0.01);
+  EXPECT_NEAR(mean(draw_checked(&renderer, request_of(GetParam(), "baked"))), 2.0, 0.01);
 }
 
 /// The roof is moved aside: the old bake is used until the new one is ready.
@@ -159,13 +159,13 @@ TEST_P(LightAndGlass, ChangedGeometryIsBakedAgain) {
   FrameRequest request = request_of(GetParam(), "baked");
   request.camera.eye = {0.0f, 0.9f, 0.0f};
   request.camera.target = {0.0f, -1.0f, 0.01f};
-  EXPECT_LT(mean(draw(&renderer, request)), kLeak);
+  EXPECT_LT(mean(draw_checked(&renderer, request)), kLeak);
   const Primitive& roof = scene->meshes[5].primitives[0];
   std::vector<glm::vec3> positions = roof.positions;
   for (glm::vec3& p : positions) p.x += 100.0f;
   renderer.update_mesh(5, positions, roof.normals);
   EXPECT_EQ(renderer.render(request).plan.shading().visibility, "baked");
-  EXPECT_GT(mean(draw(&renderer, request)), 0.05);
+  EXPECT_GT(mean(draw_checked(&renderer, request)), 0.05);
 }
 
 /// E = I cos / d^2 under a point light, and a spot light's axis; a directional light's lux.
@@ -194,7 +194,7 @@ TEST_P(LightAndGlass, PunctualLightsMeetTheClosedForm) {
     request.camera.up = {0.0f, 0.0f, -1.0f};
     request.camera.fov_y_rad = 0.01f;
     const double lux = kind == PunctualLight::Kind::directional ? 10.0 : 10.0 / 4.0;
-    EXPECT_NEAR(mean(draw(&renderer, request)), 0.5 / 3.14159265 * lux, 0.004 * lux) << static_cast<int>(kind);
+    EXPECT_NEAR(mean(draw_checked(&renderer, request)), 0.5 / 3.14159265 * lux, 0.004 * lux) << static_cast<int>(kind);
   }
 }
 
@@ -218,7 +218,7 @@ TEST_P(LightAndGlass, GlowingSquareMeetsTheClosedForm) {
   const double x = 0.5, root = std::sqrt(1.0 + x * x);
   const double quarter = 2.0 / (2.0 * 3.14159265358979) * (x / root) * std::atan(x / root);
   const double expected = 0.5 * 5.0 * 4.0 * quarter;
-  EXPECT_NEAR(mean(draw(&renderer, request)), expected, 0.02 * expected);
+  EXPECT_NEAR(mean(draw_checked(&renderer, request)), expected, 0.02 * expected);
 }
 
 /// A lamp almost touching the floor: no sample may be larger than a few times the lamp's radiance.
@@ -234,7 +234,7 @@ TEST_P(LightAndGlass, LampCloseToASurfaceMakesNoFireflies) {
   FrameRequest request = request_of(GetParam(), "none");
   request.camera.eye = {0.0f, 2.0f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
-  const Image image = draw(&renderer, request);
+  const Image image = draw_checked(&renderer, request);
   EXPECT_LE(*std::max_element(image.data.begin(), image.data.end()), 2.0f * 5.0f);
 }
 
@@ -263,11 +263,11 @@ TEST_P(LightAndGlass, DimLampsBesideASurfaceMakeNoFireflies) {
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.3f;
   const auto brightest = [](const Image& image) { return *std::max_element(image.data.begin(), image.data.end()); };
-  const Image one = draw(&renderer, request);
+  const Image one = draw_checked(&renderer, request);
   request.mode = "uniform";
   request.samples = 4096;
   request.seed = 9;
-  const Image converged = draw(&renderer, request);
+  const Image converged = draw_checked(&renderer, request);
   EXPECT_LT(brightest(one), 2.0f * brightest(converged));
   EXPECT_NEAR(mean(one), mean(converged), 0.1 * mean(converged));  // the foot of the strip is interpolated, too
 }
@@ -289,9 +289,9 @@ TEST_P(LightAndGlass, LampsThatOutshineTheSkyHaveAsManySamples) {
   request.camera.eye = {0.0f, 0.25f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.3f;
-  const Image one = draw(&renderer, request);
+  const Image one = draw_checked(&renderer, request);
   request.seed = 5;
-  const Image other = draw(&renderer, request);
+  const Image other = draw_checked(&renderer, request);
   double square = 0.0, sum = 0.0;
   for (std::size_t i = 0; i < one.data.size(); i += 4) {
     square += std::pow(static_cast<double>(one.data[i] - other.data[i]), 2.0);
@@ -321,7 +321,7 @@ TEST_P(LightAndGlass, ClearPaneVanishesInAConstantSky) {
     FrameRequest request = request_of(GetParam(), "none");
     request.msaa = msaa;
     request.camera.eye = {2.0f, 0.5f, 1.0f};
-    const Image image = draw(&renderer, request);
+    const Image image = draw_checked(&renderer, request);
     for (std::size_t i = 0; i < image.data.size(); i += 4) {
       ASSERT_NEAR(image.data[i], 3.0f, 0.01f);
       ASSERT_EQ(image.data[i + 3], 0.0f);  // only the sky is seen
@@ -345,7 +345,7 @@ TEST_P(LightAndGlass, PaneMirrorsWhatItsFaceSees) {
     request.camera.eye = {0.0f, height_m, 0.6f};
     request.camera.target = {0.0f, target_m, 0.0f};
     request.camera.fov_y_rad = 0.3f;
-    return mean(draw(&renderer, request));
+    return mean(draw_checked(&renderer, request));
   };
   const double above = middle("none", 0.25f, 0.05f), below = middle("none", 0.025f, 0.05f);
   EXPECT_GT(above, 0.2);
@@ -361,7 +361,7 @@ TEST_P(LightAndGlass, TintedPaneTransmitsAndReflectsByFresnel) {
   request.camera.eye = {2.0f, 0.0f, 2.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.02f;
-  const Image image = draw(&renderer, request);
+  const Image image = draw_checked(&renderer, request);
   const float cosine = std::sqrt(0.5f);
   for (int c : {0, 1, 2}) {
     const glm::vec2 pane = shared::fresnel_pane(cosine, 1.52f, c == 0 ? 0.8f : c == 1 ? 1.0f : 0.5f);
@@ -389,7 +389,7 @@ TEST_P(LightAndGlass, PaneThatCoversItselfIsDrawnFromBackToFront) {
     Renderer renderer;
     renderer.set_scene(std::make_shared<Scene>(scene));
     renderer.set_environment(sky);
-    const Image image = draw(&renderer, request);
+    const Image image = draw_checked(&renderer, request);
     PictureRequest traced;
     traced.camera = request.camera;
     traced.width = request.width;
@@ -416,7 +416,7 @@ TEST_P(LightAndGlass, PanesDoNotOccludeAndHaveDepth) {
   request.camera.eye = {0.0f, 1.0f, 0.5f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.3f;
-  EXPECT_NEAR(mean(draw(&renderer, request)), 1.0, 0.02);
+  EXPECT_NEAR(mean(draw_checked(&renderer, request)), 1.0, 0.02);
 }
 
 TEST_P(LightAndGlass, BlendedSurfaceCoversByAlpha) {
@@ -432,7 +432,7 @@ TEST_P(LightAndGlass, BlendedSurfaceCoversByAlpha) {
   FrameRequest request = request_of(GetParam(), "none");
   request.camera.eye = {0.0f, 0.0f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
-  EXPECT_NEAR(draw(&renderer, request).at(24, 24, 1), 0.75f * 4.0f + 0.25f * 0.5f * 4.0f, 0.01f);
+  EXPECT_NEAR(draw_checked(&renderer, request).at(24, 24, 1), 0.75f * 4.0f + 0.25f * 0.5f * 4.0f, 0.01f);
 }
 
 TEST_P(LightAndGlass, ResourcesAreReleased) {
@@ -449,7 +449,7 @@ TEST_P(LightAndGlass, ResourcesAreReleased) {
     FrameRequest request = request_of(GetParam(), "baked");
     request.width = request.height = 8;
     if (round % 5 == 0) {
-      draw(&renderer, request);
+      draw_checked(&renderer, request);
     } else {
       renderer.render(request);  // destroyed while its bake runs
     }

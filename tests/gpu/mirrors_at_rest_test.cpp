@@ -8,14 +8,14 @@
 namespace maquette::test {
 namespace {
 
-constexpr int kSide = 96, kFrames = 48;
+constexpr int kRestSide = 96, kFrames = 48;
 constexpr double kMirrorZ = -2.2;
 /// The sun: one texel.
-constexpr int kSunX = 320, kSunY = 68, kWidth = 1024, kHeight = 512;
+constexpr int kSunX = 320, kSunY = 68, kSkyWidth = 1024, kSkyHeight = 512;
 
 glm::dvec3 to_sun() {
-  const double lon = std::numbers::pi - 2.0 * std::numbers::pi * (kSunX + 0.5) / kWidth,
-               lat = std::numbers::pi / 2.0 - std::numbers::pi * (kSunY + 0.5) / kHeight;
+  const double lon = std::numbers::pi - 2.0 * std::numbers::pi * (kSunX + 0.5) / kSkyWidth,
+               lat = std::numbers::pi / 2.0 - std::numbers::pi * (kSunY + 0.5) / kSkyHeight;
   return {std::cos(lat) * std::sin(lon), std::sin(lat), std::cos(lat) * std::cos(lon)};
 }
 
@@ -34,10 +34,10 @@ class MirrorsAtRest : public ::testing::Test {
     renderer_.set_scene(std::make_shared<Scene>(scene));
     auto sky = std::make_shared<Environment>();
     sky->name = "sunny";
-    sky->width = kWidth;
-    sky->height = kHeight;
-    sky->rgb.assign(static_cast<std::size_t>(kWidth) * kHeight, glm::vec3(1e-4f));
-    sky->rgb[kSunY * kWidth + kSunX] = glm::vec3(50000.0f);
+    sky->width = kSkyWidth;
+    sky->height = kSkyHeight;
+    sky->rgb.assign(static_cast<std::size_t>(kSkyWidth) * kSkyHeight, glm::vec3(1e-4f));
+    sky->rgb[kSunY * kSkyWidth + kSunX] = glm::vec3(50000.0f);
     renderer_.set_environment(sky);
   }
   void set_constant_sky() {
@@ -51,7 +51,7 @@ class MirrorsAtRest : public ::testing::Test {
   static FrameRequest request() {
     FrameRequest r = request_of("raytraced");
     r.mode = "bandwidth";
-    r.width = r.height = kSide;
+    r.width = r.height = kRestSide;
     r.reflectors = {"mirror"};
     r.camera.eye = {2.0f, 1.5f, -0.2f};
     r.camera.target = {0.8f, 0.75f, static_cast<float>(kMirrorZ)};
@@ -74,7 +74,7 @@ class MirrorsAtRest : public ::testing::Test {
                                         right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0))),
                                         up = glm::cross(right, forward);
     const double tan_y = std::tan(0.5 * static_cast<double>(r.camera.fov_y_rad));
-    glm::dvec3 d = forward + tan_y * ((2.0 * px / kSide - 1.0) * right - (2.0 * py / kSide - 1.0) * up);
+    glm::dvec3 d = forward + tan_y * ((2.0 * px / kRestSide - 1.0) * right - (2.0 * py / kRestSide - 1.0) * up);
     const glm::dvec3 on_mirror = eye + d * ((kMirrorZ - eye.z) / d.z);
     if (on_mirror.y < 0.1 || on_mirror.y > 0.95 || d.y >= -1e-6) return std::nullopt;
     d.z = -d.z;
@@ -130,14 +130,14 @@ TEST_F(MirrorsAtRest, ShadowsHaveTheEdgesOfTheGeometry) {
     ShareError e;
     double lit = 0.0;
     int count = 0;
-    for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x)
+    for (int y = 0; y < kRestSide; ++y)
+      for (int x = 0; x < kRestSide; ++x)
         if (lit_share(r, x, y) == 1.0) lit += static_cast<double>(image.at(x, y, 1)), ++count;
     EXPECT_GT(count, 1000);
     lit /= count;
     EXPECT_GT(lit, 0.0);
-    for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) {
+    for (int y = 0; y < kRestSide; ++y)
+      for (int x = 0; x < kRestSide; ++x) {
         const double share = lit_share(r, x, y);
         if (share < 0.0) continue;
         const double d = std::abs(static_cast<double>(image.at(x, y, 1)) / lit - share);
@@ -165,8 +165,8 @@ TEST_F(MirrorsAtRest, TheSkysShadowsAreInTheMirrorToo) {
   const auto error_of = [&](const Image& image) {
     double seen = 0.0, expected = 0.0;
     std::vector<std::pair<double, double>> blocks;
-    for (int by = 0; by < kSide; by += kBlock)
-      for (int bx = 0; bx < kSide; bx += kBlock) {
+    for (int by = 0; by < kRestSide; by += kBlock)
+      for (int bx = 0; bx < kRestSide; bx += kBlock) {
         double a = 0.0, b = 0.0;
         int count = 0;
         for (int k = 0; k < kBlock * kBlock; ++k) {

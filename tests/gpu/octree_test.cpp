@@ -90,7 +90,7 @@ FrameRequest request_of(const std::string& mode) {
   return r;
 }
 
-double draw(Renderer* renderer, const FrameRequest& request) {
+double draw_traced(Renderer* renderer, const FrameRequest& request) {
   EXPECT_TRUE(renderer->finish_background_work(request));
   const FrameStats stats = renderer->render(request);
   EXPECT_EQ(stats.plan.shading().visibility, "traced");
@@ -209,7 +209,7 @@ TEST_P(TracedVisibility, AClosedBoxIsBlackInside) {
   FrameRequest request = request_of(GetParam());
   request.camera.eye = {0.3f, 0.2f, 0.8f};
   request.camera.target = {0.0f, 0.0f, -1.0f};
-  EXPECT_LT(draw(&renderer, request), 1e-3);
+  EXPECT_LT(draw_traced(&renderer, request), 1e-3);
 }
 
 TEST_P(TracedVisibility, OpenPlaneDoesNotShadowItself) {
@@ -220,7 +220,7 @@ TEST_P(TracedVisibility, OpenPlaneDoesNotShadowItself) {
   request.camera.eye = {0.0f, 0.0f, 1.0f};
   request.camera.target = {0.0f, -1.0f, 0.0f};
   request.camera.fov_y_rad = 0.4f;
-  EXPECT_NEAR(draw(&renderer, request), 0.5, 0.01);
+  EXPECT_NEAR(draw_traced(&renderer, request), 0.5, 0.01);
 }
 
 /// Under an open-topped box of height 2: the view factor of its 2 x 2 opening. Baked visibility may err by 20 %, rays
@@ -238,7 +238,7 @@ TEST_P(TracedVisibility, OpenTopLightsTheFloorByItsViewFactor) {
   request.camera.fov_y_rad = 0.1f;
   const double x = 0.5, root = std::sqrt(1.25);
   const double factor = 4.0 * (x / root) * std::atan(x / root) / 3.14159265358979;
-  EXPECT_NEAR(draw(&renderer, request), 0.5 * factor, 0.03 * 0.5 * factor);
+  EXPECT_NEAR(draw_traced(&renderer, request), 0.5 * factor, 0.03 * 0.5 * factor);
 }
 
 /// A wall moves; the picture follows without loading the scene again.
@@ -250,11 +250,11 @@ TEST_P(TracedVisibility, FollowsChangedGeometry) {
   request.camera.eye = {0.0f, 0.5f, 0.0f};
   request.camera.target = {0.0f, -1.0f, 0.0f};
   request.camera.up = {0.0f, 0.0f, -1.0f};
-  EXPECT_LT(draw(&renderer, request), 1e-3);
+  EXPECT_LT(draw_traced(&renderer, request), 1e-3);
   renderer.set_node_visible(5, false);
-  EXPECT_GT(draw(&renderer, request), 0.1);
+  EXPECT_GT(draw_traced(&renderer, request), 0.1);
   renderer.set_node_visible(5, true);
-  EXPECT_LT(draw(&renderer, request), 1e-3);
+  EXPECT_LT(draw_traced(&renderer, request), 1e-3);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace maquette {
 namespace {
 
-constexpr int kSide = 40;
+constexpr int kOrthographicSide = 40;
 
 class Orthographic : public ::testing::Test {
  protected:
@@ -22,7 +22,7 @@ class Orthographic : public ::testing::Test {
   static FrameRequest request(const std::string& mode) {
     FrameRequest r;
     r.mode = mode;
-    r.width = r.height = kSide;
+    r.width = r.height = kOrthographicSide;
     r.samples = 16;
     r.camera.eye = {0.0f, 0.0f, 4.0f};
     r.camera.target = glm::vec3(0.0f);
@@ -55,8 +55,8 @@ TEST_F(Orthographic, EqualLengthsAreEqualAtEveryDepth) {
       FrameRequest r = request(mode);
       r.camera.eye.z = distance;
       const Image image = draw(r);
-      for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) {
+      for (int y = 0; y < kOrthographicSide; ++y)
+        for (int x = 0; x < kOrthographicSide; ++x) {
           const bool within = y >= 10 && y < 30;
           // A path tracer's pixel on the border may show either.
           if (r.mode == "reference" && (x % 10 == 0 || x % 10 == 9 || y % 10 == 0 || y % 10 == 9)) continue;

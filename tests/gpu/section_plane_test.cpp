@@ -11,8 +11,8 @@
 namespace maquette {
 namespace {
 
-constexpr int kSide = 48;
-constexpr float kPane = 1.0f, kRed = 0.0f, kGreen = -1.5f;  // z of the plates, m
+constexpr int kSectionSide = 48;
+constexpr float kPane_z = 1.0f, kRed_z = 0.0f, kGreen_z = -1.5f;  // z of the plates, m
 constexpr float kHalf = 1.2f;
 
 class SectionPlane : public ::testing::Test {
@@ -23,7 +23,7 @@ class SectionPlane : public ::testing::Test {
     scene.materials[2].glass = true;
     scene.materials[2].metallic = scene.materials[2].roughness = 0.0f;
     scene.materials[2].double_sided = true;
-    for (const auto& [z, material] : {std::pair(kRed, 0), {kGreen, 1}, {kPane, 2}})
+    for (const auto& [z, material] : {std::pair(kRed_z, 0), {kGreen_z, 1}, {kPane_z, 2}})
       test::add(&scene, test::make_grid({-kHalf, -kHalf, z}, {2 * kHalf, 0, 0}, {0, 2 * kHalf, 0}, 1, material));
     renderer_.set_scene(std::make_shared<Scene>(scene));
     renderer_.set_environment(test::constant_sky(0.0f));
@@ -37,25 +37,25 @@ class SectionPlane : public ::testing::Test {
   Image draw(const std::string& mode, const glm::vec4& section, float height_m) {
     FrameRequest r;
     r.mode = mode;
-    r.width = r.height = kSide;
+    r.width = r.height = kSectionSide;
     paths_ = mode == "reference";  // through all of a pixel, and by chance through the pane or off it
     r.samples = paths_ ? 64 : 4;
     r.camera.eye = {0.3f, 0.2f, 4.0f};
     r.camera.target = {0.0f, 0.0f, -0.5f};
     r.camera.height_m = height_m;
     r.camera.section = section;
-    camera_ = make_camera_frame(r.camera, kSide, kSide, bounds_of_plates());
+    camera_ = make_camera_frame(r.camera, kSectionSide, kSectionSide, bounds_of_plates());
     renderer_.finish_background_work(r);
     renderer_.render(r);
     const auto errors = take_gl_errors();
     EXPECT_TRUE(errors.empty()) << errors.front();
     return renderer_.read_radiance();
   }
-  static Bounds bounds_of_plates() { return {{-kHalf, -kHalf, kGreen}, {kHalf, kHalf, kPane}}; }
+  static Bounds bounds_of_plates() { return {{-kHalf, -kHalf, kGreen_z}, {kHalf, kHalf, kPane_z}}; }
   /// Whether a ray through a pixel shows the plate; nothing near a border.
   std::optional<bool> shows(int x, int y, float z, const glm::vec4& section) const {
-    const EyeRay ray = camera_.ray_through(
-        {2.0f * (static_cast<float>(x) + 0.5f) / kSide - 1.0f, 1.0f - 2.0f * (static_cast<float>(y) + 0.5f) / kSide});
+    const EyeRay ray = camera_.ray_through({2.0f * (static_cast<float>(x) + 0.5f) / kSectionSide - 1.0f,
+                                            1.0f - 2.0f * (static_cast<float>(y) + 0.5f) / kSectionSide});
     const glm::vec3 p = ray.origin + ray.direction * ((z - ray.origin.z) / ray.direction.z);
     const float margin = paths_ ? 0.08f : 0.01f, inside = kHalf - std::max(std::abs(p.x), std::abs(p.y)),
                 kept = section.w - glm::dot(glm::vec3(section), p);
@@ -65,10 +65,10 @@ class SectionPlane : public ::testing::Test {
   void expect_plates(const Image& image, const glm::vec4& section, const std::string& what) {
     int seen = 0, wrong = 0, behind = 0;
     double through = 0.0;
-    for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) {
-        const auto pane = shows(x, y, kPane, section), red = shows(x, y, kRed, section),
-                   green = shows(x, y, kGreen, section);
+    for (int y = 0; y < kSectionSide; ++y)
+      for (int x = 0; x < kSectionSide; ++x) {
+        const auto pane = shows(x, y, kPane_z, section), red = shows(x, y, kRed_z, section),
+                   green = shows(x, y, kGreen_z, section);
         if (!pane || !red || !green) continue;
         ++seen;
         const float r = image.at(x, y, 0), g = image.at(x, y, 1);
@@ -81,7 +81,7 @@ class SectionPlane : public ::testing::Test {
         if (*pane && light) through += static_cast<double>(value), ++behind;
       }
     EXPECT_EQ(wrong, 0) << what << ": of " << seen << " pixels";
-    EXPECT_GT(seen, kSide * kSide / 3);
+    EXPECT_GT(seen, kSectionSide * kSectionSide / 3);
     if (behind > 100) {
       EXPECT_NEAR(through / behind, 0.92, 0.05) << what << ": the pane transmits";
     }

@@ -13,7 +13,7 @@
 namespace maquette {
 namespace {
 
-constexpr int kSide = 96;
+constexpr int kShadowSide = 96;
 /// Texels around the horizon of the skies below, and of one with a narrow sun.
 constexpr int kSkyWidth = 128, kFineSkyWidth = 1024;
 
@@ -56,7 +56,7 @@ class ShadowRays : public ::testing::Test {
   static FrameRequest request(const std::string& mode, const glm::dvec3& sun = to_sun()) {
     FrameRequest r;
     r.mode = mode;
-    r.width = r.height = kSide;
+    r.width = r.height = kShadowSide;
     r.samples = 64;
     const glm::dvec3 middle = -sun / sun.y;
     r.camera.target = glm::vec3(middle.x, 0.0, middle.z);
@@ -81,8 +81,8 @@ class ShadowRays : public ::testing::Test {
 /// Where a pixel's centre sees the floor, and how far that is from the border of the square's shadow, in pixels; below
 /// 0 inside.
 double beyond_shadow_px(const FrameRequest& r, int x, int y) {
-  const double pixel_m = 2.0 * std::tan(0.5 * static_cast<double>(r.camera.fov_y_rad)) * 0.95 / kSide;
-  const double px = (x + 0.5 - 0.5 * kSide) * pixel_m, pz = (y + 0.5 - 0.5 * kSide) * pixel_m;
+  const double pixel_m = 2.0 * std::tan(0.5 * static_cast<double>(r.camera.fov_y_rad)) * 0.95 / kShadowSide;
+  const double px = (x + 0.5 - 0.5 * kShadowSide) * pixel_m, pz = (y + 0.5 - 0.5 * kShadowSide) * pixel_m;
   return (std::max(std::abs(px), std::abs(pz)) - 0.5) / pixel_m;
 }
 
@@ -90,8 +90,8 @@ double beyond_shadow_px(const FrameRequest& r, int x, int y) {
 /// within is dark.
 void expect_shadow_of_square(const Image& image, const FrameRequest& r, double penumbra_px, const std::string& what) {
   double lit = 0.0, dark = 0.0, lit_count = 0.0, dark_count = 0.0;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
+  for (int y = 0; y < kShadowSide; ++y)
+    for (int x = 0; x < kShadowSide; ++x) {
       const double off = beyond_shadow_px(r, x, y), value = static_cast<double>(image.at(x, y, 1));
       if (off > penumbra_px + 1.0) lit += value, ++lit_count;
       if (off < -penumbra_px - 1.0) dark += value, ++dark_count;
@@ -99,8 +99,8 @@ void expect_shadow_of_square(const Image& image, const FrameRequest& r, double p
   lit /= lit_count;
   dark /= dark_count;
   EXPECT_LT(dark, 0.1 * lit) << what;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
+  for (int y = 0; y < kShadowSide; ++y)
+    for (int x = 0; x < kShadowSide; ++x) {
       const double off = beyond_shadow_px(r, x, y), value = static_cast<double>(image.at(x, y, 1));
       if (std::abs(off) <= penumbra_px + 1.0) continue;
       EXPECT_NEAR(value, off > 0.0 ? lit : dark, (off > 0.0 ? 0.15 : 0.1) * lit) << what << " " << x << ", " << y;
@@ -114,7 +114,7 @@ TEST_F(ShadowRays, TheSunsEdgeIsWhereTheGeometryPutsIt) {
   for (const int sky_width : {kSkyWidth, kFineSkyWidth}) {
     renderer_.set_environment(sunny(0.05f, sky_width));
     const double texel_rad = 2.0 * std::numbers::pi / sky_width;
-    const double penumbra_px = 1.2 * texel_rad * 1.2 / (2.0 * std::tan(0.8) * 0.95 / kSide);
+    const double penumbra_px = 1.2 * texel_rad * 1.2 / (2.0 * std::tan(0.8) * 0.95 / kShadowSide);
     for (const char* mode : {"uniform", "bandwidth"}) {
       const FrameRequest r = request(mode, to_sun(sky_width));
       expect_shadow_of_square(draw(r), r, penumbra_px, mode + std::string(", sky of ") + std::to_string(sky_width));
@@ -184,8 +184,8 @@ TEST_F(ShadowRays, AtRestTheDirectLightIsThePathTracers) {
       double worst = 0.0, mean = 0.0;
       constexpr int kBlock = 12;
       for (const float v : expected.data) mean += static_cast<double>(v) / static_cast<double>(expected.data.size());
-      for (int by = 0; by < kSide; by += kBlock)
-        for (int bx = 0; bx < kSide; bx += kBlock) {
+      for (int by = 0; by < kShadowSide; by += kBlock)
+        for (int bx = 0; bx < kShadowSide; bx += kBlock) {
           double a = 0.0, b = 0.0;
           for (int y = by; y < by + kBlock; ++y)
             for (int x = bx; x < bx + kBlock; ++x) {

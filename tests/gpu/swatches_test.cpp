@@ -13,7 +13,7 @@
 namespace maquette {
 namespace {
 
-using Swatched = testing::TemporaryFolder;
+using Swatched = test::TemporaryFolder;
 
 /// Mean of the opaque texels, 0 to 255.
 glm::vec3 mean_of(unsigned texture) {

@@ -41,7 +41,7 @@ inline double relative_difference(const Image& a, const Image& b) {
   return std::sqrt(squares / count) / (light / count);
 }
 
-class TransferMode : public maquette::testing::TemporaryFolder {
+class TransferMode : public maquette::test::TemporaryFolder {
  protected:
   /// A textured plate with a BTF below a block of plain material.
   std::shared_ptr<Scene> covered_plate() {

@@ -24,25 +24,25 @@
 namespace maquette {
 namespace {
 
-constexpr int kWidth = 72, kHeight = 52;
+constexpr int kFullWidth = 72, kFullHeight = 52;
 constexpr float kPixelAngle = 0.01f;
 
-std::size_t at(int x, int y) { return static_cast<std::size_t>(y * kWidth + x); }
+std::size_t at(int x, int y) { return static_cast<std::size_t>(y * kFullWidth + x); }
 
 /// A picture to interpolate: one ray a pixel from the eye at the origin along -z.
 struct Grid {
-  std::vector<glm::uvec2> guide{static_cast<std::size_t>(kWidth * kHeight)};
-  std::vector<glm::u8vec4> marks{static_cast<std::size_t>(kWidth * kHeight), glm::u8vec4(0, 0, 0, 1)};
-  std::vector<glm::vec4> radiance{static_cast<std::size_t>(kWidth * kHeight)};
-  std::vector<glm::vec4> axes{static_cast<std::size_t>(kWidth * kHeight / 4)};
+  std::vector<glm::uvec2> guide{static_cast<std::size_t>(kFullWidth * kFullHeight)};
+  std::vector<glm::u8vec4> marks{static_cast<std::size_t>(kFullWidth * kFullHeight), glm::u8vec4(0, 0, 0, 1)};
+  std::vector<glm::vec4> radiance{static_cast<std::size_t>(kFullWidth * kFullHeight)};
+  std::vector<glm::vec4> axes{static_cast<std::size_t>(kFullWidth * kFullHeight / 4)};
   FrameConstants constants{};
 
   Grid() {
-    constants.size = glm::ivec4(kWidth, kHeight, 1, 4);
+    constants.size = glm::ivec4(kFullWidth, kFullHeight, 1, 4);
     constants.eye.w = 1.0f;
     constants.forward = glm::vec4(0.0f, 0.0f, -1.0f, kPixelAngle);
-    constants.right = glm::vec4(0.5f * kPixelAngle * kWidth, 0.0f, 0.0f, 0.0f);
-    constants.up = glm::vec4(0.0f, 0.5f * kPixelAngle * kHeight, 0.0f, 0.0f);
+    constants.right = glm::vec4(0.5f * kPixelAngle * kFullWidth, 0.0f, 0.0f, 0.0f);
+    constants.up = glm::vec4(0.0f, 0.5f * kPixelAngle * kFullHeight, 0.0f, 0.0f);
   }
   void set_surface(int x, int y, float depth, const glm::vec3& normal, unsigned material) {
     const glm::vec2 oct = shared::octahedral_from_direction(normal);
@@ -51,7 +51,7 @@ struct Grid {
                                                            material << 24u};
   }
   glm::dvec3 ray(int x, int y) const {
-    return {kPixelAngle * (x + 0.5 - 0.5 * kWidth), -kPixelAngle * (y + 0.5 - 0.5 * kHeight), -1.0};
+    return {kPixelAngle * (x + 0.5 - 0.5 * kFullWidth), -kPixelAngle * (y + 0.5 - 0.5 * kFullHeight), -1.0};
   }
 };
 
@@ -72,17 +72,17 @@ std::vector<glm::vec4> filled(const Grid& grid, int level, Pass pass, Own* own =
   const std::vector<glm::vec4> nothing(grid.radiance.size(), glm::vec4(0.0f, 0.0f, 0.0f, 4.0f));
   const std::vector<float> ones(grid.radiance.size(), 1.0f);
   std::vector<unsigned> first_points;
-  for (int y = 0; y < kHeight; y += 2)
-    for (int x = 0; x < kWidth; x += 2) first_points.push_back(static_cast<unsigned>(x | y << 16));
+  for (int y = 0; y < kFullHeight; y += 2)
+    for (int x = 0; x < kFullWidth; x += 2) first_points.push_back(static_cast<unsigned>(x | y << 16));
   const Buffer block("frame", sizeof grid.constants, &grid.constants), quads = Buffer::from("quads", first_points);
-  const Texture guide = texture(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, kWidth, kHeight, grid.guide);
-  const Texture marks = texture(GL_RGBA8UI, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, kWidth, kHeight, grid.marks);
-  const Texture radiance = texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, kWidth, kHeight, grid.radiance);
-  const Texture axes = texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, kWidth / 2, kHeight / 2, grid.axes);
-  const Texture mean = texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, kWidth, kHeight, nothing);
-  const Texture deviation = texture(GL_R32F, GL_RED, GL_FLOAT, kWidth, kHeight, ones);
-  const Texture residual = texture(GL_R32F, GL_RED, GL_FLOAT, kWidth, kHeight, ones);
-  const Texture worth = Texture::make_2d_array("worth", GL_RG32F, (kWidth + 7) / 8, (kHeight + 7) / 8, 12);
+  const Texture guide = texture(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, kFullWidth, kFullHeight, grid.guide);
+  const Texture marks = texture(GL_RGBA8UI, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, kFullWidth, kFullHeight, grid.marks);
+  const Texture radiance = texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, kFullWidth, kFullHeight, grid.radiance);
+  const Texture axes = texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, kFullWidth / 2, kFullHeight / 2, grid.axes);
+  const Texture mean = texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, kFullWidth, kFullHeight, nothing);
+  const Texture deviation = texture(GL_R32F, GL_RED, GL_FLOAT, kFullWidth, kFullHeight, ones);
+  const Texture residual = texture(GL_R32F, GL_RED, GL_FLOAT, kFullWidth, kFullHeight, ones);
+  const Texture worth = Texture::make_2d_array("worth", GL_RG32F, (kFullWidth + 7) / 8, (kFullHeight + 7) / 8, 12);
   const float kappa[] = {0.1f, 1.0f};
   glClearTexImage(worth.get(), 0, GL_RG, GL_FLOAT, kappa);
   glBindBufferBase(GL_UNIFORM_BUFFER, kBlockFrame, block.get());
@@ -106,7 +106,7 @@ std::vector<glm::vec4> filled(const Grid& grid, int level, Pass pass, Own* own =
   if (pass == Pass::quads)
     glProgramUniform1i(program.get(), program.location("u_quads"), static_cast<GLint>(first_points.size()));
   glUseProgram(program.get());
-  glDispatchCompute(static_cast<GLuint>((kWidth * kHeight + 63) / 64), 1, 1);
+  glDispatchCompute(static_cast<GLuint>((kFullWidth * kFullHeight + 63) / 64), 1, 1);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   std::vector<glm::vec4> values(grid.radiance.size());
   glGetTextureImage(radiance.get(), 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(values.size() * sizeof(glm::vec4)),
@@ -163,7 +163,7 @@ class TapByTap {
  private:
   /// Weights of the axes x, y, (1, 1) and (1, -1).
   std::array<double, 4> shares_at(int x, int y) const {
-    const glm::vec4 m = grid_.axes[static_cast<std::size_t>(y / 2 * (kWidth / 2) + x / 2)];
+    const glm::vec4 m = grid_.axes[static_cast<std::size_t>(y / 2 * (kFullWidth / 2) + x / 2)];
     const double nx = m.x, ny = m.y, both = nx * nx + ny * ny + 2e-8, cross = 2.0 * static_cast<double>(m.z) * nx * ny;
     const double steps[] = {(nx * nx + 1e-8) / both, (ny * ny + 1e-8) / both, 1.0 + cross / both, 1.0 - cross / both};
     std::array<double, 4> shares{};
@@ -177,11 +177,11 @@ class TapByTap {
   };
 
   glm::dvec3 value(int x, int y) const {
-    return glm::dvec3(before_[at(std::clamp(x, 0, kWidth - 1), std::clamp(y, 0, kHeight - 1))]);
+    return glm::dvec3(before_[at(std::clamp(x, 0, kFullWidth - 1), std::clamp(y, 0, kFullHeight - 1))]);
   }
 
   double weight(int x, int y, int qx, int qy, double step) const {
-    if (qx < 0 || qy < 0 || qx >= kWidth || qy >= kHeight) return 0.0;
+    if (qx < 0 || qy < 0 || qx >= kFullWidth || qy >= kFullHeight) return 0.0;
     const glm::uvec2 a = grid_.guide[at(x, y)], b = grid_.guide[at(qx, qy)];
     const double da = std::bit_cast<float>(a.x), db = std::bit_cast<float>(b.x);
     if (db <= 0.0 || a.y >> 24u != b.y >> 24u) return 0.0;
@@ -222,8 +222,8 @@ class TapByTap {
 /// Every point that one dispatch fills.
 void each_filled(int level, bool middle, const std::function<void(int x, int y, int dx, int dy)>& visit) {
   const int s = 1 << level;
-  for (int y = 0; y < kHeight; y += s)
-    for (int x = 0; x < kWidth; x += s) {
+  for (int y = 0; y < kFullHeight; y += s)
+    for (int x = 0; x < kFullWidth; x += s) {
       const int odd_x = (x >> level) & 1, odd_y = (y >> level) & 1;
       if (middle ? odd_x + odd_y == 2 : odd_x + odd_y == 1) visit(x, y, odd_x, odd_y);
     }
@@ -234,8 +234,8 @@ TEST(Upsampling, AgreesWithTapByTap) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   Grid grid;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kFullHeight; ++y)
+    for (int x = 0; x < kFullWidth; ++x) {
       // Two materials, holes of sky, steps of depth, and normals that vary from point to point.
       const float depth = unit(random) < 0.03f ? 0.0f : 1.0f + (x > 40 ? 0.02f : 0.0f) + 0.004f * unit(random);
       const glm::vec3 normal =
@@ -300,8 +300,8 @@ TEST(Upsampling, PointsAreJudgedByTwoNeighboursInARow) {
         if (pass == Pass::quads && std::string(kind.name).find("along") == 0) continue;  // it uses only corners
         Grid grid;
         for (glm::vec4& m : grid.axes) m = glm::vec4(0.1f, 0.1f, correlation, 0.0f);
-        for (int y = 0; y < kHeight; ++y)
-          for (int x = 0; x < kWidth; ++x) {
+        for (int y = 0; y < kFullHeight; ++y)
+          for (int x = 0; x < kFullWidth; ++x) {
             grid.set_surface(x, y, 1.0f, glm::vec3(0.0f, 0.0f, 1.0f), 1u);
             grid.radiance[at(x, y)] = glm::vec4(3.0f);
           }
@@ -328,8 +328,8 @@ TEST(Upsampling, FollowsAFootprintThatIsStretchedAlongADiagonal) {
     for (const int sign : {1, -1}) {
       const auto wave = [&](int x, int y) { return 2.0 + std::cos(2.2 * (x - sign * y) / (1 << level)); };
       Grid grid;
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
+      for (int y = 0; y < kFullHeight; ++y)
+        for (int x = 0; x < kFullWidth; ++x) {
           grid.set_surface(x, y, 1.0f, glm::vec3(0.0f, 0.0f, 1.0f), 1u);
           // Finer points contain the first dispatch's values for a wave that it cannot resolve.
           const bool coarse = (x >> level) % 2 == 0 && (y >> level) % 2 == 0;
@@ -341,7 +341,7 @@ TEST(Upsampling, FollowsAFootprintThatIsStretchedAlongADiagonal) {
         double square = 0.0;
         int count = 0;
         each_filled(level, true, [&](int x, int y, int, int) {
-          if (x < 8 || y < 8 || x >= kWidth - 8 || y >= kHeight - 8) return;
+          if (x < 8 || y < 8 || x >= kFullWidth - 8 || y >= kFullHeight - 8) return;
           square += std::pow(static_cast<double>(found[at(x, y)].x) - wave(x, y), 2);
           ++count;
         });

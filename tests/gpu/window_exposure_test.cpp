@@ -14,9 +14,9 @@
 namespace maquette {
 namespace {
 
-constexpr int kWidth = 96, kHeight = 64;
+constexpr int kMeterWidth = 96, kMeterHeight = 64;
 
-class WindowExposure : public testing::TemporaryFolder {
+class WindowExposure : public test::TemporaryFolder {
  protected:
   std::string stored(const std::string& name, const Scene& scene) {
     const std::string file = path(name + ".glb");
@@ -36,7 +36,7 @@ class WindowExposure : public testing::TemporaryFolder {
   /// Draws the next frame and meters as the window does.
   static void step(WindowSession* session) {
     session->update(false, 0.0);
-    const FrameStats stats = session->renderer().render(session->make_frame_request(kWidth, kHeight), true);
+    const FrameStats stats = session->renderer().render(session->make_frame_request(kMeterWidth, kMeterHeight), true);
     session->meter_if_requested(stats.accumulated_frames > 1);
   }
   /// The exposure once everything has been read and baked and the picture rests.
@@ -47,7 +47,7 @@ class WindowExposure : public testing::TemporaryFolder {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
         rests = 0;
       }
-      session->renderer().finish_background_work(session->make_frame_request(kWidth, kHeight));
+      session->renderer().finish_background_work(session->make_frame_request(kMeterWidth, kMeterHeight));
       step(session);
     }
     return session->state.exposure_ev;

@@ -14,7 +14,7 @@
 namespace maquette {
 namespace {
 
-class WindowPictures : public testing::TemporaryFolder {
+class WindowPictures : public test::TemporaryFolder {
  protected:
   static constexpr int kWidth = 160, kHeight = 100;
 

@@ -13,10 +13,6 @@
 namespace maquette::test {
 namespace {
 
-std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const Environment> sky) {
-  return build_path_scene({.scene = scene, .environment = std::move(sky)});
-}
-
 glm::vec3 to_floor(double degrees) {
   const double t = radians(degrees);
   return glm::vec3(glm::dvec3(-std::sin(t), -std::cos(t), 0.0));

@@ -14,10 +14,6 @@ namespace {
 
 constexpr double kIndex = 1.52;
 
-std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const Environment> sky) {
-  return build_path_scene({.scene = scene, .environment = std::move(sky)});
-}
-
 std::shared_ptr<const Environment> half_sky(double above, double below) {
   return sky_of(64, 32, [=](const glm::dvec3& d) { return glm::dvec3(d.y > 0.0 ? above : below); });
 }

@@ -13,8 +13,6 @@
 namespace maquette::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Image make_picture(int width, int height, const std::function<double(int, int)>& value) {
   Image image(width, height, 4, 1.0f);
   for (int y = 0; y < height; ++y)
@@ -25,7 +23,8 @@ Image make_picture(int width, int height, const std::function<double(int, int)>&
 
 TEST(LocalBandwidth, WaveHasItsFrequencyAlongItsAxis) {
   for (const double frequency : {0.05, 0.08, 0.15, 0.3, 0.45}) {
-    const Image image = make_picture(64, 64, [&](int x, int) { return 2.0 + std::cos(2.0 * kPi * frequency * x); });
+    const Image image =
+        make_picture(64, 64, [&](int x, int) { return 2.0 + std::cos(2.0 * std::numbers::pi * frequency * x); });
     const auto windows = measure_local_bandwidth(image, image, std::vector<bool>(64 * 64, true), {});
     ASSERT_EQ(windows.size(), 25u);
     for (const WindowBandwidth& w : windows) {
@@ -36,8 +35,8 @@ TEST(LocalBandwidth, WaveHasItsFrequencyAlongItsAxis) {
 }
 
 TEST(LocalBandwidth, IsLocal) {
-  const Image image =
-      make_picture(128, 64, [](int x, int) { return 2.0 + std::cos(2.0 * kPi * (x < 64 ? 0.05 : 0.25) * x); });
+  const Image image = make_picture(
+      128, 64, [](int x, int) { return 2.0 + std::cos(2.0 * std::numbers::pi * (x < 64 ? 0.05 : 0.25) * x); });
   for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(128 * 64, true), {})) {
     if (w.x <= 48) {
       EXPECT_LT(w.nu_x, 0.09) << w.x;
@@ -71,10 +70,10 @@ TEST(LocalBandwidth, BandLimitedSignalsReadNoMore) {
   for (int trial = 0; trial < 200; ++trial) {
     const double limit = floor + 0.25 * u(random);
     std::array<glm::dvec3, 6> waves;
-    for (glm::dvec3& wave : waves) wave = {limit * u(random), 2.0 * kPi * u(random), u(random)};
+    for (glm::dvec3& wave : waves) wave = {limit * u(random), 2.0 * std::numbers::pi * u(random), u(random)};
     const Image image = make_picture(32, 32, [&](int x, int) {
       double sum = 10.0;
-      for (const glm::dvec3& wave : waves) sum += wave.z * std::cos(2.0 * kPi * wave.x * x + wave.y);
+      for (const glm::dvec3& wave : waves) sum += wave.z * std::cos(2.0 * std::numbers::pi * wave.x * x + wave.y);
       return sum;
     });
     for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(32 * 32, true), options)) {
@@ -89,7 +88,8 @@ TEST(LocalBandwidth, BandLimitedSignalsReadNoMore) {
 TEST(LocalBandwidth, WavesLongerThanAWindowMeasureTheFloor) {
   const LocalBandwidthOptions options;
   for (const double period : {34.0, 64.0, 100.0, 400.0}) {
-    const Image image = make_picture(320, 32, [&](int x, int) { return 2.0 + std::cos(2.0 * kPi * x / period); });
+    const Image image =
+        make_picture(320, 32, [&](int x, int) { return 2.0 + std::cos(2.0 * std::numbers::pi * x / period); });
     double largest = 0.0;
     for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(320 * 32, true), options))
       largest = std::max(largest, w.nu_x);
@@ -102,7 +102,8 @@ TEST(LocalBandwidth, IndependentNoiseIsNoBandwidth) {
   unsigned state = 1;
   const auto noisy = [&](int x, int) {
     state = state * 1664525u + 1013904223u;
-    return 2.0 + std::cos(2.0 * kPi * 0.1 * x) + 0.6 * (static_cast<double>(state >> 8) / 16777216.0 - 0.5);
+    return 2.0 + std::cos(2.0 * std::numbers::pi * 0.1 * x) +
+           0.6 * (static_cast<double>(state >> 8) / 16777216.0 - 0.5);
   };
   const Image a = make_picture(64, 64, noisy), b = make_picture(64, 64, noisy);
   for (const WindowBandwidth& w : measure_local_bandwidth(a, b, std::vector<bool>(64 * 64, true), {})) {
@@ -116,8 +117,8 @@ TEST(LocalBandwidth, IndependentNoiseIsNoBandwidth) {
 /// weighted towards the wave.
 TEST(LocalBandwidth, PredictionsAreWeightedByVariation) {
   const auto wave = [](int x) {  // fades in, so that its beginning is no edge
-    const double fade = 0.5 - 0.5 * std::cos(2.0 * kPi * (x + 0.5 - 16) / 16.0);
-    return x < 16 ? 0.0 : fade * std::cos(2.0 * kPi * 0.2 * x);
+    const double fade = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * (x + 0.5 - 16) / 16.0);
+    return x < 16 ? 0.0 : fade * std::cos(2.0 * std::numbers::pi * 0.2 * x);
   };
   const Image image = make_picture(32, 32, [&](int x, int) { return 10.0 + wave(x); });
   const Image prediction = make_picture(32, 32, [](int x, int) { return x < 16 ? 0.0 : 0.2; });
@@ -146,7 +147,8 @@ TEST(LocalBandwidth, ScalesTellLongWaves) {
   const std::vector<bool> all(160 * 160, true);
   double before = 0.0;
   for (const double frequency : {0.018, 0.025, 0.035, 0.06, 0.12, 0.25}) {
-    const Image image = make_picture(160, 160, [&](int, int y) { return 2.0 + std::cos(2.0 * kPi * frequency * y); });
+    const Image image =
+        make_picture(160, 160, [&](int, int y) { return 2.0 + std::cos(2.0 * std::numbers::pi * frequency * y); });
     double largest = 0.0;
     for (const ScaledBandwidth& s : measure_scaled_bandwidth(image, image, all, WindowFilter::off_longest)) {
       EXPECT_NEAR(s.bandwidth.nu_y, frequency, 0.2 * frequency);  // short windows read their longest waves a little off
@@ -155,7 +157,8 @@ TEST(LocalBandwidth, ScalesTellLongWaves) {
     EXPECT_GT(largest, 1.1 * before) << frequency;
     before = largest;
   }
-  const Image slow = make_picture(160, 160, [](int, int y) { return 2.0 + std::cos(2.0 * kPi * 0.004 * y); });
+  const Image slow =
+      make_picture(160, 160, [](int, int y) { return 2.0 + std::cos(2.0 * std::numbers::pi * 0.004 * y); });
   for (const ScaledBandwidth& s : measure_scaled_bandwidth(slow, slow, all, WindowFilter::off_longest)) {
     EXPECT_LE(s.bandwidth.nu_y, kScaledFloor);
     EXPECT_EQ(s.window, 128);
@@ -189,12 +192,12 @@ TEST(LocalBandwidth, ScalesMeasureWarpedNoise) {
       std::vector<glm::dvec3> waves;
       while (waves.size() < 60) {
         const glm::dvec2 f(u(random), u(random));
-        if (glm::dot(f, f) <= 1.0) waves.emplace_back(radius * f, kPi * u(random));
+        if (glm::dot(f, f) <= 1.0) waves.emplace_back(radius * f, std::numbers::pi * u(random));
       }
       const Image image = make_picture(kSide, kSide, [&](int x, int y) {
         const glm::dvec2 p = map({x, y});
         double sum = 200.0;
-        for (const glm::dvec3& w : waves) sum += std::cos(2.0 * kPi * (w.x * p.x + w.y * p.y) + w.z);
+        for (const glm::dvec3& w : waves) sum += std::cos(2.0 * std::numbers::pi * (w.x * p.x + w.y * p.y) + w.z);
         return sum;
       });
       const Image known = make_picture(kSide, kSide, [&](int x, int y) {
@@ -237,7 +240,8 @@ TEST(LocalBandwidth, ScalesFollowTheWindowFilter) {
   // Usable for windows of 128 pixels in the left half; in the right one a gap leaves room for windows of 32.
   std::vector<bool> usable(320 * 128, true);
   for (int y = 0; y < 128; ++y) usable[static_cast<std::size_t>(y * 320 + 240)] = false;
-  const Image wave = make_picture(320, 128, [](int x, int) { return 2.0 + std::cos(2.0 * kPi * 0.2 * x); });
+  const Image wave =
+      make_picture(320, 128, [](int x, int) { return 2.0 + std::cos(2.0 * std::numbers::pi * 0.2 * x); });
   const auto on_right = [&](WindowFilter filter) {
     int count = 0;
     for (const ScaledBandwidth& s : measure_scaled_bandwidth(wave, wave, usable, filter)) {

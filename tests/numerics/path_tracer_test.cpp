@@ -39,10 +39,6 @@ MeanRadiance mean_radiance(const PathScene& scene, const PathOptions& options, c
 
 namespace {
 
-std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const Environment> sky) {
-  return build_path_scene({.scene = scene, .environment = std::move(sky)});
-}
-
 /// The floor y = 0, seen from `degrees` off its normal at the origin.
 struct FloorView {
   glm::vec3 origin, direction;
@@ -236,7 +232,7 @@ TEST(PathTracer, RestrictedReferenceMatchesQuadrature) {
     for (int i = 0; i < kPoints; ++i) {
       const double r = 0.95 * std::sqrt((i + 0.5) / kPoints), phi = 2.39996 * i;
       const glm::dvec3 n(r * std::cos(phi), r * std::sin(phi), std::sqrt(1.0 - r * r));
-      SurfacePoint point;
+      LitPoint point;
       point.normal = n;
       point.wo = {0.0, 0.0, 1.0};
       const double expected = evaluate_direct(moments, brdf, point, {}).radiance.y;

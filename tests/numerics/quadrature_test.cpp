@@ -1,17 +1,16 @@
 #include "tests/support/quadrature.h"
 
 #include <gtest/gtest.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <iostream>
 #include <numbers>
 #include <random>
 
+#include "scenes/parallel.h"
+
 namespace maquette::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Environment make_environment(int width, int height, const std::function<glm::dvec3(const glm::dvec3&)>& radiance) {
   Environment e;
@@ -41,8 +40,9 @@ BrdfTable make_table(const std::function<glm::dvec3(double theta_h, double theta
     const double root = (h + 0.5) / kThetaHCount;
     for (int d = 0; d < kThetaDCount; ++d) {
       for (int p = 0; p < kPhiDCount; ++p) {
-        table.rgb.emplace_back(
-            value(root * root * kPi / 2.0, (d + 0.5) / kThetaDCount * kPi / 2.0, (p + 0.5) / kPhiDCount * kPi));
+        table.rgb.emplace_back(value(root * root * std::numbers::pi / 2.0,
+                                     (d + 0.5) / kThetaDCount * std::numbers::pi / 2.0,
+                                     (p + 0.5) / kPhiDCount * std::numbers::pi));
       }
     }
   }
@@ -50,7 +50,8 @@ BrdfTable make_table(const std::function<glm::dvec3(double theta_h, double theta
 }
 
 const BrdfTable& lambert() {
-  static const BrdfTable kTable = make_table([](double, double, double) { return glm::dvec3(0.5, 0.25, 0.75) / kPi; });
+  static const BrdfTable kTable =
+      make_table([](double, double, double) { return glm::dvec3(0.5, 0.25, 0.75) / std::numbers::pi; });
   return kTable;
 }
 
@@ -59,7 +60,7 @@ const BrdfTable& chrome() {
   static const BrdfTable kTable = make_table([](double theta_h, double theta_d, double) {
     const double width = 0.004;
     const double t = std::tan(theta_h) / width;
-    const double d = std::exp(-t * t) / (kPi * width * width * std::pow(std::cos(theta_h), 4.0));
+    const double d = std::exp(-t * t) / (std::numbers::pi * width * width * std::pow(std::cos(theta_h), 4.0));
     return glm::dvec3(0.9, 0.85, 0.8) * d / (4.0 * std::pow(std::max(std::cos(theta_d), 0.05), 2.0)) + 1e-4;
   });
   return kTable;
@@ -72,14 +73,14 @@ const BrdfTable& two_lobes() {
       return std::exp(-std::pow(std::tan(theta_h) / width, 2.0)) / (width * width);
     };
     const double fresnel = 0.05 + 0.95 * std::pow(1.0 - std::cos(theta_d), 5.0);
-    return glm::dvec3(0.4, 0.05, 0.05) / kPi + fresnel * lobe(0.02) / (4.0 * kPi) +
-           glm::dvec3(0.3, 0.1, 0.1) * lobe(0.25) / (4.0 * kPi) * (1.0 + 0.1 * std::cos(2.0 * phi_d));
+    return glm::dvec3(0.4, 0.05, 0.05) / std::numbers::pi + fresnel * lobe(0.02) / (4.0 * std::numbers::pi) +
+           glm::dvec3(0.3, 0.1, 0.1) * lobe(0.25) / (4.0 * std::numbers::pi) * (1.0 + 0.1 * std::cos(2.0 * phi_d));
   });
   return kTable;
 }
 
-SurfacePoint make_point(double elevation_rad, double azimuth_rad, const glm::dvec3& normal) {
-  SurfacePoint point;
+LitPoint make_point(double elevation_rad, double azimuth_rad, const glm::dvec3& normal) {
+  LitPoint point;
   point.normal = glm::normalize(normal);
   const glm::dvec3 t = glm::normalize(glm::cross(glm::dvec3(0.3, 0.2, 0.9), point.normal));
   const glm::dvec3 b = glm::cross(point.normal, t);
@@ -95,8 +96,8 @@ double relative_difference(const glm::dvec3& a, const glm::dvec3& b) {
 
 /// Independent of the map's tree: midpoint rule over the half vector, with theta_h on the table's own square-root
 /// scale.
-glm::dvec3 integrate_over_half_vectors(const Environment& environment, const BrdfTable& table,
-                                       const SurfacePoint& point, int theta_count, int phi_count) {
+glm::dvec3 integrate_over_half_vectors(const Environment& environment, const BrdfTable& table, const LitPoint& point,
+                                       int theta_count, int phi_count) {
   const glm::dvec3 t = glm::normalize(glm::cross(glm::dvec3(0.1, 0.9, 0.4), point.normal));
   const glm::dvec3 b = glm::cross(point.normal, t);
   const auto local = [&](const glm::dvec3& d) {
@@ -104,13 +105,13 @@ glm::dvec3 integrate_over_half_vectors(const Environment& environment, const Brd
   };
   const glm::dvec3 wo = local(point.wo);
   std::vector<glm::dvec3> rows(static_cast<std::size_t>(theta_count), glm::dvec3(0.0));
-  tbb::parallel_for(0, theta_count, [&](int i) {
+  parallel_for(0, theta_count, [&](int i) {
     const double r = (i + 0.5) / theta_count;
-    const double theta = r * r * kPi / 2.0;
-    const double step = 2.0 * r * kPi / 2.0 / theta_count * 2.0 * kPi / phi_count;
+    const double theta = r * r * std::numbers::pi / 2.0;
+    const double step = 2.0 * r * std::numbers::pi / 2.0 / theta_count * 2.0 * std::numbers::pi / phi_count;
     glm::dvec3 sum(0.0);
     for (int j = 0; j < phi_count; ++j) {
-      const double phi = (j + 0.5) / phi_count * 2.0 * kPi;
+      const double phi = (j + 0.5) / phi_count * 2.0 * std::numbers::pi;
       const glm::dvec3 h(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
       const double cosine = glm::dot(h, wo);
       const glm::dvec3 wi = 2.0 * cosine * h - wo;
@@ -130,7 +131,7 @@ TEST(Quadrature, LambertUnderAConstantSkyIsTheAlbedo) {
   for (const auto& [width, height] : {std::pair{64, 32}, {1, 1}, {37, 23}, {300, 150}}) {
     const EnvironmentMoments sky(
         make_environment(width, height, [](const glm::dvec3&) { return glm::dvec3(2.0, 3.0, 4.0); }));
-    for (const SurfacePoint& point : {make_point(1.2, 0.0, {0.2, 1.0, 0.1}), make_point(0.1, 2.0, {-1.0, -0.3, 0.4})}) {
+    for (const LitPoint& point : {make_point(1.2, 0.0, {0.2, 1.0, 0.1}), make_point(0.1, 2.0, {-1.0, -0.3, 0.4})}) {
       const DirectQuadrature got = evaluate_direct(sky, lambert(), point);
       EXPECT_LT(relative_difference(got.radiance, {1.0, 0.75, 3.0}), 5e-4) << width << " x " << height;
     }
@@ -153,11 +154,11 @@ TEST(Quadrature, LambertUnderRoughRadiance) {
       const double py = (y + 0.5) / fine;
       const glm::dvec3 d = direction_from_latlong(px, py, 90, 45);
       const double cosine = std::max(glm::dot(d, normal), 0.0);
-      if (cosine > 0.0) exact += evaluate_environment(rough, d) * cosine * std::sin(kPi * py / 45.0);
+      if (cosine > 0.0) exact += evaluate_environment(rough, d) * cosine * std::sin(std::numbers::pi * py / 45.0);
     }
   }
-  exact *= 2.0 * kPi * kPi / (90.0 * 45.0 * fine * fine) / kPi;
-  SurfacePoint point = make_point(0.8, 0.4, normal);
+  exact *= 2.0 * std::numbers::pi * std::numbers::pi / (90.0 * 45.0 * fine * fine) / std::numbers::pi;
+  LitPoint point = make_point(0.8, 0.4, normal);
   const DirectQuadrature got = evaluate_direct(sky, lambert(), point);
   EXPECT_LT(relative_difference(got.radiance, exact * glm::dvec3(0.5, 0.25, 0.75)), 5e-4);
   EXPECT_LE(got.relative_error, 1e-4);
@@ -168,7 +169,7 @@ TEST(Quadrature, MirrorLikeLobeShowsTheSkyBehindIt) {
       512, 256, [](const glm::dvec3& d) { return glm::dvec3(1.0 + 0.5 * d.x, 1.0 + 0.5 * d.y, 1.0 + 0.5 * d.z); });
   const EnvironmentMoments sky(smooth);
   for (double elevation : {1.4, 0.9, 0.4}) {
-    const SurfacePoint point = make_point(elevation, 1.0, {0.2, 0.4, 0.9});
+    const LitPoint point = make_point(elevation, 1.0, {0.2, 0.4, 0.9});
     const DirectQuadrature got = evaluate_direct(sky, chrome(), point);
     const glm::dvec3 exact = integrate_over_half_vectors(smooth, chrome(), point, 2700, 360);
     EXPECT_LT(relative_difference(got.radiance, exact), 5e-4) << elevation;
@@ -184,7 +185,7 @@ TEST(Quadrature, AgreesWithHalfVectorIntegrationUnderASun) {
   const glm::dvec3 to_sun = direction_from_latlong(256 / 3 + 0.7, 128 / 4 + 0.5, 256, 128);
   for (const BrdfTable* table : {&two_lobes(), &chrome()}) {
     for (double offset : {0.0, 0.02, 0.3}) {  // the mirror direction from the sun
-      SurfacePoint point = make_point(0.8, 2.0, {0.1, 0.9, 0.3});
+      LitPoint point = make_point(0.8, 2.0, {0.1, 0.9, 0.3});
       point.wo = glm::normalize(glm::dvec3(0.3, 0.8, -0.2));
       const glm::dvec3 aside = glm::normalize(glm::cross(to_sun, point.wo));
       point.normal = glm::normalize(glm::normalize(to_sun + point.wo) + 0.5 * offset * aside);
@@ -200,13 +201,13 @@ TEST(Quadrature, AgreesWithHalfVectorIntegrationUnderASun) {
 TEST(Quadrature, ConvergedAtItsDefaultTolerance) {
   const Environment sunny = make_sunny(1024, 512);
   const EnvironmentMoments sky(sunny);
-  std::vector<SurfacePoint> points;
+  std::vector<LitPoint> points;
   std::mt19937 random(21);
   std::normal_distribution<double> normal;
   while (points.size() < 10) {
     const glm::dvec3 n = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
     if (n.z > 0.05) {
-      SurfacePoint point;
+      LitPoint point;
       point.normal = n;
       point.wo = glm::dvec3(0.0, 0.0, 1.0);
       points.push_back(point);
@@ -216,7 +217,7 @@ TEST(Quadrature, ConvergedAtItsDefaultTolerance) {
     const char* name = table == &lambert() ? "lambert" : table == &two_lobes() ? "two lobes" : "chrome";
     std::vector<double> worst(points.size());
     std::vector<std::size_t> evaluations(points.size());
-    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
       DirectQuadratureOptions fine;
       fine.relative_tolerance = 1e-5;
       fine.max_cells = 400000;
@@ -236,14 +237,14 @@ TEST(Quadrature, ConvergedAtItsDefaultTolerance) {
 TEST(Quadrature, RotatesTheSky) {
   const Environment sunny = make_sunny(128, 64);
   const EnvironmentMoments sky(sunny);
-  SurfacePoint point = make_point(0.9, 0.3, {0.2, 0.9, 0.4});
+  LitPoint point = make_point(0.9, 0.3, {0.2, 0.9, 0.4});
   const DirectQuadrature still = evaluate_direct(sky, two_lobes(), point);
   const double angle = 1.1;
   const auto rotate = [&](const glm::dvec3& d) {
     return glm::dvec3(std::cos(angle) * d.x + std::sin(angle) * d.z, d.y,
                       std::cos(angle) * d.z - std::sin(angle) * d.x);
   };
-  SurfacePoint rotated = point;
+  LitPoint rotated = point;
   rotated.normal = rotate(point.normal);
   rotated.wo = rotate(point.wo);
   rotated.env_rotation_rad = angle;
@@ -252,7 +253,7 @@ TEST(Quadrature, RotatesTheSky) {
 
 TEST(Quadrature, VisibilityHidesItsPart) {
   const EnvironmentMoments sky(make_environment(64, 32, [](const glm::dvec3&) { return glm::dvec3(1.0); }));
-  SurfacePoint point = make_point(0.9, 0.3, {0.0, 1.0, 0.0});
+  LitPoint point = make_point(0.9, 0.3, {0.0, 1.0, 0.0});
   point.visibility = [](const glm::dvec3& w) { return w.x > 0.0 ? 1.0 : 0.0; };
   const DirectQuadrature got = evaluate_direct(sky, lambert(), point);
   EXPECT_LT(relative_difference(got.radiance, glm::dvec3(0.25, 0.125, 0.375)), 1e-3);

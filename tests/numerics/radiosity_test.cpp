@@ -16,8 +16,6 @@ namespace {
 using namespace maquette;
 using namespace maquette::test;
 
-constexpr double kPi = std::numbers::pi;
-
 void add_quad(const glm::dvec3& origin, const glm::dvec3& a, const glm::dvec3& b, double albedo, double emission,
               std::vector<DiffuseTriangle>* triangles) {
   triangles->push_back({{origin, origin + a, origin + a + b}, glm::dvec3(albedo), glm::dvec3(emission)});
@@ -28,14 +26,14 @@ void add_quad(const glm::dvec3& origin, const glm::dvec3& a, const glm::dvec3& b
 TEST(Radiosity, ParallelSquaresExchangeTheirFormFactor) {
   std::vector<DiffuseTriangle> triangles;
   add_quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.0, 0.0, &triangles);
-  add_quad({0, 0, 1}, {0, 1, 0}, {1, 0, 0}, 0.0, kPi, &triangles);
+  add_quad({0, 0, 1}, {0, 1, 0}, {1, 0, 0}, 0.0, std::numbers::pi, &triangles);
   const Radiosity radiosity(triangles, {.largest_edge = 1.5, .rays = 256});
   double mean = 0.0;
   constexpr int kSide = 24;
   for (int i = 0; i < kSide * kSide; ++i)
     mean += radiosity.irradiance({(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide, 0.0}, {0, 0, 1}, 16).x /
             (kSide * kSide);
-  EXPECT_NEAR(mean / (kPi * kPi), 0.199825, 2e-4);
+  EXPECT_NEAR(mean / (std::numbers::pi * std::numbers::pi), 0.199825, 2e-4);
 }
 
 /// In a closed box with equal emission and albedo of all walls, exitance is E / (1 - rho) everywhere.
@@ -52,7 +50,7 @@ TEST(Radiosity, ClosedFurnaceIsTheGeometricSeries) {
   const Radiosity radiosity(triangles, {.largest_edge = 1.0, .rays = 512, .light_cells = 4, .far_lights = false});
   EXPECT_LT(radiosity.residual(), 1e-6);
   const glm::dvec3 e = radiosity.irradiance({0.4, 0.0, 1.3}, {0, 1, 0}, 512);
-  EXPECT_NEAR(e.x / (kPi * emission / (1.0 - rho)), 1.0, 2e-3);
+  EXPECT_NEAR(e.x / (std::numbers::pi * emission / (1.0 - rho)), 1.0, 2e-3);
 }
 
 /// The solver's own error on the Cornell box, as docs/numerics/path-tracer.md states it.
@@ -66,7 +64,7 @@ TEST(Radiosity, CornellBoxIsConverged) {
   int count = 0;
   for (const CornellPixel& pixel : view.pixels(fine)) {
     const auto at = [&](const Radiosity& r) {
-      return pixel.hit.albedo / kPi * r.irradiance(pixel.hit.position, pixel.hit.normal, 8192);
+      return pixel.hit.albedo / std::numbers::pi * r.irradiance(pixel.hit.position, pixel.hit.normal, 8192);
     };
     const glm::dvec3 a = at(coarse), b = at(fine);
     difference += glm::dot(a - b, a - b) / 3.0;

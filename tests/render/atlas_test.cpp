@@ -210,7 +210,7 @@ TEST(LightFieldAtlas, BothSidesHaveTexels) {
 /// A sheet that turns about itself like a stair: no cone of normals divides it, its projection covers itself.
 TEST(LightFieldAtlas, ASpiralDoesNotCoverItself) {
   const Primitive spiral = modelling::make_grid(200, 4, [](double u, double v) {
-    const double turn = 6.0 * modelling::kPi * u;
+    const double turn = 6.0 * std::numbers::pi * u;
     return glm::dvec3((0.3 + v) * std::cos(turn), 0.4 * u, (0.3 + v) * std::sin(turn));
   });
   const FlatGeometry g = geometry_of(spiral);

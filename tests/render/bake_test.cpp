@@ -212,7 +212,7 @@ TEST(Bake, MayGoAwayAtAnyTime) {
   }
 }
 
-using BakeFileTest = testing::TemporaryFolder;
+using BakeFileTest = test::TemporaryFolder;
 
 Baked<Numbers> make(CountKind* kind, const CountJob& job) {
   const std::atomic<bool> run{false};

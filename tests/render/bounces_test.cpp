@@ -9,13 +9,12 @@
 #include "render/prt/factorised_transfer.h"
 #include "render/prt/relight.h"
 #include "scenes/btf/half_floats.h"
+#include "tests/support/never.h"
 #include "tests/support/small_btf.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
-
-const std::atomic<bool> kNever{false};
 
 /// One texel that reflects the same to all sides.
 std::shared_ptr<const Btf> lambert_btf(const glm::vec3& albedo) {

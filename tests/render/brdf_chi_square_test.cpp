@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "render/materials/brdf_sampler.h"
@@ -31,8 +32,8 @@ BrdfTable tabulate(const std::function<double(double, double, double)>& f) {
   for (int h = 0; h < kThetaHCount; ++h)
     for (int d = 0; d < kThetaDCount; ++d)
       for (int p = 0; p < kPhiDCount; ++p)
-        table.rgb.emplace_back(
-            static_cast<float>(f(theta_h_of_bin_edge(h + 0.5), (d + 0.5) / 90.0 * kHalfPi, (p + 0.5) / 180.0 * kPi)));
+        table.rgb.emplace_back(static_cast<float>(
+            f(theta_h_of_bin_edge(h + 0.5), (d + 0.5) / 90.0 * kHalfPi, (p + 0.5) / 180.0 * std::numbers::pi)));
   return table;
 }
 
@@ -75,9 +76,9 @@ glm::dvec3 light_of(const View& view, double t, double phi) {
   return 2.0 * glm::dot(view.wo, h) * h - view.wo;
 }
 
-struct HalfBins {
+struct SamplerBins {
   std::array<double, kThetaBins + 1> t{};
-  HalfBins(BrdfSampler& sampler, int elevation) {
+  SamplerBins(BrdfSampler& sampler, int elevation) {
     for (std::size_t i = 1; i < kThetaBins; ++i) {
       const glm::vec2 cell = sampler.fetch_theta_cell(elevation, kCellsPerBin * (static_cast<int>(i) - 1));
       t[i] = static_cast<double>(cell.x) + 0.37 * static_cast<double>(cell.y - cell.x);
@@ -87,7 +88,7 @@ struct HalfBins {
   std::size_t index(double at, double phi) const {
     const auto i = static_cast<std::size_t>(std::upper_bound(t.begin() + 1, t.end() - 1, at) - t.begin() - 1);
     const double side = phi < 0.0 ? 1.0 : 0.0;
-    const double slice = std::min(std::floor(std::abs(phi) / kPi * kPhiSlices), kPhiSlices - 1.0);
+    const double slice = std::min(std::floor(std::abs(phi) / std::numbers::pi * kPhiSlices), kPhiSlices - 1.0);
     return (i * 2 + static_cast<std::size_t>(side)) * kPhiSlices + static_cast<std::size_t>(slice);
   }
   static constexpr std::size_t kCount = std::size_t{kThetaBins} * 2 * kPhiSlices;
@@ -113,7 +114,7 @@ double piece_mass(BrdfSampler& sampler, const View& view, const glm::dvec2& t, c
   return sum / (n * n) * (t.y - t.x) * (phi.y - phi.x);
 }
 
-void add_expected(BrdfSampler& sampler, const View& view, const HalfBins& bins, double samples,
+void add_expected(BrdfSampler& sampler, const View& view, const SamplerBins& bins, double samples,
                   std::vector<double>* expected) {
   const int elevation = sampler.brdf_elevation(glm::vec3(view.wo));
   const auto cut = [](double begin, double end, const auto& knots) {
@@ -124,7 +125,7 @@ void add_expected(BrdfSampler& sampler, const View& view, const HalfBins& bins, 
     return cuts;
   };
   std::array<double, kPhiSlices + 1> slices{};
-  for (std::size_t i = 0; i < slices.size(); ++i) slices[i] = kPi * static_cast<double>(i) / kPhiSlices;
+  for (std::size_t i = 0; i < slices.size(); ++i) slices[i] = std::numbers::pi * static_cast<double>(i) / kPhiSlices;
   for (int k = 0; k < kThetaCellCount; ++k) {
     const glm::dvec2 cell(sampler.fetch_theta_cell(elevation, k));
     const std::vector<double> ts = cut(cell.x, cell.y, bins.t);
@@ -145,8 +146,8 @@ void add_expected(BrdfSampler& sampler, const View& view, const HalfBins& bins, 
 
 /// Tests one row of elevations with one view inside it. Returns p.
 test::ChiSquare test_view(BrdfSampler& sampler, const View& view, std::uint32_t seed, std::size_t samples) {
-  const HalfBins bins(sampler, sampler.brdf_elevation(glm::vec3(view.wo)));
-  std::vector<double> expected(HalfBins::kCount + 1, 0.0), counted(expected.size(), 0.0);
+  const SamplerBins bins(sampler, sampler.brdf_elevation(glm::vec3(view.wo)));
+  std::vector<double> expected(SamplerBins::kCount + 1, 0.0), counted(expected.size(), 0.0);
   add_expected(sampler, view, bins, static_cast<double>(samples), &expected);
   double inside = 0.0;
   for (const double e : expected) inside += e;
@@ -181,7 +182,7 @@ void expect_rows(const NamedTable& named) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int row = 0; row < kElevationCount; ++row) {
     const double theta = std::min((row + unit(random)) * kHalfPi / kElevationCount, kHalfPi - 1e-4);
-    const View view = view_at(theta, 2.0 * kPi * unit(random));
+    const View view = view_at(theta, 2.0 * std::numbers::pi * unit(random));
     const auto result = test_view(sampler, view, static_cast<std::uint32_t>(random()), test::test_samples(6000));
     EXPECT_GT(result.p, 1e-7) << named.name << ", view at " << theta << " rad, statistic " << result.statistic << " of "
                               << result.freedom;

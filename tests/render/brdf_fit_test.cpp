@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "render/materials/brdf_tables.h"
 #include "render/materials/lobes.h"
@@ -18,8 +19,8 @@ BrdfTable tabulate(const std::function<glm::dvec3(double, double, double)>& f) {
   for (int h = 0; h < kThetaHCount; ++h) {
     for (int d = 0; d < kThetaDCount; ++d) {
       for (int p = 0; p < kPhiDCount; ++p) {
-        table.rgb.push_back(
-            glm::vec3(f(theta_h_of_bin_edge(h + 0.5), (d + 0.5) / 90.0 * kHalfPi, (p + 0.5) / 180.0 * kPi)));
+        table.rgb.push_back(glm::vec3(
+            f(theta_h_of_bin_edge(h + 0.5), (d + 0.5) / 90.0 * kHalfPi, (p + 0.5) / 180.0 * std::numbers::pi)));
       }
     }
   }
@@ -33,9 +34,9 @@ BrdfTable ggx_table(const glm::dvec3& diffuse, const glm::dvec3& f0, double alph
                  cos_o = std::max(std::cos(h) * std::cos(d) + across, 1e-3);
     const double a2 = alpha * alpha, c2 = std::cos(h) * std::cos(h), t = c2 * (a2 - 1.0) + 1.0;
     const auto smith = [&](double c) { return 2.0 * c / (c + std::sqrt(a2 + (1.0 - a2) * c * c)); };
-    const double shape = a2 / (kPi * t * t) * smith(cos_i) * smith(cos_o) / (4.0 * cos_i * cos_o);
+    const double shape = a2 / (std::numbers::pi * t * t) * smith(cos_i) * smith(cos_o) / (4.0 * cos_i * cos_o);
     const glm::dvec3 fresnel = f0 + (glm::dvec3(1.0) - f0) * std::pow(1.0 - std::cos(d), 5.0);
-    return diffuse / kPi + fresnel * shape;
+    return diffuse / std::numbers::pi + fresnel * shape;
   });
 }
 
@@ -64,7 +65,7 @@ TEST(Lobes, SeparateTheMirroringPart) {
       EXPECT_NEAR(std::acos(glm::dot(d, glm::dvec3(-std::sin(theta), 0.0, std::cos(theta)))), 0.0, 0.03 + alpha);
     }
   }
-  const BrdfTable lambert = tabulate([](double, double, double) { return glm::dvec3(0.5 / kPi); });
+  const BrdfTable lambert = tabulate([](double, double, double) { return glm::dvec3(0.5 / std::numbers::pi); });
   const std::vector<BrdfLobe> dull = compute_lobes(lambert, compute_brdf_tables(lambert));
   EXPECT_LT(dull[25].mirror_albedo.y, 1e-6f);
   EXPECT_GT(mirror_roughness(dull), 0.9f);
@@ -104,7 +105,7 @@ TEST(SgFit, RecoversItsOwnModel) {
   const glm::dvec3 diffuse(0.3, 0.1, 0.05);
   const BrdfTable table = tabulate([&](double h, double, double) {
     const double c = std::cos(h) - 1.0;
-    return diffuse / kPi + glm::dvec3(2.0, 5.0, 1.0) * std::exp(20.0 * c) +
+    return diffuse / std::numbers::pi + glm::dvec3(2.0, 5.0, 1.0) * std::exp(20.0 * c) +
            glm::dvec3(80.0, 30.0, 100.0) * std::exp(800.0 * c);
   });
   const SgFit fit = fit_sg(table);
@@ -112,7 +113,7 @@ TEST(SgFit, RecoversItsOwnModel) {
   for (int channel = 0; channel < 3; ++channel) {
     EXPECT_NEAR(fit.diffuse[channel], diffuse[channel], 0.1 * diffuse[channel] + 0.01);
     for (double theta : {0.0, 0.02, 0.1, 0.4}) {
-      double value = static_cast<double>(fit.diffuse[channel]) / kPi;
+      double value = static_cast<double>(fit.diffuse[channel]) / std::numbers::pi;
       for (const SgFit::Lobe& lobe : fit.lobes) {
         value += static_cast<double>(lobe.amplitude[channel]) *
                  std::exp(static_cast<double>(lobe.sharpness[channel]) * (std::cos(theta) - 1.0));

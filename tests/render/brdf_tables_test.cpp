@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "render/materials/bandwidth.h"
@@ -27,7 +28,8 @@ BrdfTable tabulate(const std::function<glm::vec3(double, double, double)>& f) {
   for (int h = 0; h < kThetaHCount; ++h) {
     for (int d = 0; d < kThetaDCount; ++d) {
       for (int p = 0; p < kPhiDCount; ++p) {
-        table.rgb.push_back(f(theta_h_of_bin_edge(h + 0.5), (d + 0.5) / 90.0 * kHalfPi, (p + 0.5) / 180.0 * kPi));
+        table.rgb.push_back(
+            f(theta_h_of_bin_edge(h + 0.5), (d + 0.5) / 90.0 * kHalfPi, (p + 0.5) / 180.0 * std::numbers::pi));
       }
     }
   }
@@ -36,12 +38,14 @@ BrdfTable tabulate(const std::function<glm::vec3(double, double, double)>& f) {
 }
 
 BrdfTable lambert() {
-  return tabulate([](double, double, double) { return glm::vec3(0.5f, 0.4f, 0.3f) / static_cast<float>(kPi); });
+  return tabulate(
+      [](double, double, double) { return glm::vec3(0.5f, 0.4f, 0.3f) / static_cast<float>(std::numbers::pi); });
 }
 /// Gaussian lobe in theta_h over a faint diffuse base, stronger at grazing angles.
 BrdfTable lobe(double width_rad, float base) {
   return tabulate([=](double h, double d, double) {
-    const double lobe_value = std::exp(-0.5 * h * h / (width_rad * width_rad)) / (8.0 * kPi * width_rad * width_rad);
+    const double lobe_value =
+        std::exp(-0.5 * h * h / (width_rad * width_rad)) / (8.0 * std::numbers::pi * width_rad * width_rad);
     return glm::vec3(static_cast<float>(lobe_value * (0.3 + 0.7 * std::pow(1.0 - std::cos(d), 5.0)))) + glm::vec3(base);
   });
 }
@@ -118,8 +122,8 @@ TEST(ImportanceTables, EveryDirectionAboveTheHorizonHasDensity) {
     const BrdfTables tables = compute_brdf_tables(brdf);
     BrdfSampler sampler(tables);
     for (int i = 0; i < 20000; ++i) {
-      const glm::vec3 wo(direction(kHalfPi * std::sqrt(unit(random)), 2.0 * kPi * unit(random)));
-      const glm::vec3 wi(direction(std::acos(unit(random)), 2.0 * kPi * unit(random)));
+      const glm::vec3 wo(direction(kHalfPi * std::sqrt(unit(random)), 2.0 * std::numbers::pi * unit(random)));
+      const glm::vec3 wi(direction(std::acos(unit(random)), 2.0 * std::numbers::pi * unit(random)));
       if (wo.z < 1e-3f || wi.z < 1e-3f) continue;
       const glm::vec3 h = glm::normalize(wi + wo);
       const int elevation = sampler.brdf_elevation(wo);
@@ -149,10 +153,10 @@ void expect_chi_square(const BrdfTable& brdf, double theta_o, double phi_o) {
   double expected_all = 0.0;
   for (int i = 0; i < kThetaBins * kSub; ++i) {
     for (int j = 0; j < kPhiBins * kSub; ++j) {
-      const double z = (i + 0.5) / (kThetaBins * kSub), phi = 2.0 * kPi * (j + 0.5) / (kPhiBins * kSub);
+      const double z = (i + 0.5) / (kThetaBins * kSub), phi = 2.0 * std::numbers::pi * (j + 0.5) / (kPhiBins * kSub);
       const glm::vec3 wi(direction(std::acos(z), phi));
-      const double mass =
-          static_cast<double>(sampler.brdf_sample_pdf(wo, wi)) * 2.0 * kPi / (kThetaBins * kSub * kPhiBins * kSub);
+      const double mass = static_cast<double>(sampler.brdf_sample_pdf(wo, wi)) * 2.0 * std::numbers::pi /
+                          (kThetaBins * kSub * kPhiBins * kSub);
       expected[static_cast<std::size_t>(i / kSub * kPhiBins + j / kSub)] += mass * kSamples;
       expected_all += mass * kSamples;
     }
@@ -169,9 +173,9 @@ void expect_chi_square(const BrdfTable& brdf, double theta_o, double phi_o) {
     ASSERT_NEAR(glm::length(sample.wi), 1.0f, 1e-5f);
     const int i = std::min(static_cast<int>(sample.wi.z * kThetaBins), kThetaBins - 1);
     double phi = std::atan2(sample.wi.y, sample.wi.x);
-    if (phi < 0.0) phi += 2.0 * kPi;
-    counted[static_cast<std::size_t>(i * kPhiBins +
-                                     std::min(static_cast<int>(phi / (2.0 * kPi) * kPhiBins), kPhiBins - 1))] += 1.0;
+    if (phi < 0.0) phi += 2.0 * std::numbers::pi;
+    counted[static_cast<std::size_t>(
+        i * kPhiBins + std::min(static_cast<int>(phi / (2.0 * std::numbers::pi) * kPhiBins), kPhiBins - 1))] += 1.0;
   }
   EXPECT_NEAR(expected_all + invalid, kSamples, 0.01 * kSamples);
   double statistic = 0.0;
@@ -339,7 +343,7 @@ TEST(Bandwidth, GaussianLobesMatchTheirClosedForm) {
     }
     spectrum.add(samples);
     // Power spectrum exp(-4 pi^2 sigma^2 nu^2): erf(2 pi sigma nu) = 0.95.
-    const double closed_form = 1.38590 / (2.0 * kPi * sigma);
+    const double closed_form = 1.38590 / (2.0 * std::numbers::pi * sigma);
     double mean = 0.0, weight_sum = 0.0;
     for (double k = 0.0; k < 2.0; k += 0.05) {
       const double weight = std::exp(-k * k);
@@ -357,7 +361,7 @@ TEST(Bandwidth, CosinesAreFoundInTheirBand) {
     LocalSpectrum spectrum(2);
     std::vector<float> samples;
     for (float angle : spectrum.sample_angles()) {
-      samples.push_back(static_cast<float>(std::cos(2.0 * kPi * frequency * static_cast<double>(angle))));
+      samples.push_back(static_cast<float>(std::cos(2.0 * std::numbers::pi * frequency * static_cast<double>(angle))));
     }
     spectrum.add(samples);
     for (double angle : {0.3, 0.7, 1.2}) {

@@ -14,11 +14,9 @@ namespace {
 
 using namespace maquette;
 
-constexpr double kPi = std::numbers::pi;
-
 glm::dvec3 random_direction(std::mt19937* random, double least_z) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  const double z = least_z + (1.0 - least_z) * uniform(*random), phi = 2.0 * kPi * uniform(*random);
+  const double z = least_z + (1.0 - least_z) * uniform(*random), phi = 2.0 * std::numbers::pi * uniform(*random);
   return {std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z};
 }
 
@@ -114,7 +112,7 @@ TEST(BtfGenerator, AFlatFieldReturnsItsReflectance) {
       const float lobe = ggx_lobe(0.05f, 0.4f, {0, 0, 1}, glm::vec3(wi), glm::vec3(wo));
       const glm::vec3 rho = evaluate_btf(btf, {{0.3f, 0.7f}, 0.0f}, glm::vec3(wi), glm::vec3(wo));
       for (int c = 0; c < 3; ++c) {
-        const double expected = double(g.diffuse[0][c]) / kPi + double(lobe);
+        const double expected = double(g.diffuse[0][c]) / std::numbers::pi + double(lobe);
         EXPECT_NEAR(rho[c], expected, 0.01 * expected);
       }
     }
@@ -152,7 +150,7 @@ TEST(BtfGenerator, AVGrooveShadowsAndMasksAsItsClosedForm) {
         const double facing_l = std::max(0.0, (side * l.x + l.z) * std::sqrt(0.5));
         const double facing_v = std::max(0.0, (side * v.x + v.z) * std::sqrt(0.5));
         const double part = 1.0 - std::max(hidden(side * l.x / l.z), hidden(side * v.x / v.z));
-        expected += kAlbedo / kPi * facing_l * part * std::sqrt(0.5) * facing_v / (v.z * l.z);
+        expected += kAlbedo / std::numbers::pi * facing_l * part * std::sqrt(0.5) * facing_v / (v.z * l.z);
       }
       EXPECT_NEAR(means[i].x, expected, 0.015 * expected + 0.002) << i;
     }
@@ -200,7 +198,7 @@ TEST(BtfGenerator, InterreflectionInAVGrooveFollowsTheViewFactors) {
       const int from_edge = kSide / 2 - 1 - x;
       const double s = (from_edge + 0.5) / (kSide / 2), view_factor = 0.5 * (1.0 - s / std::hypot(s, 1.0));
       const double relative = bounces == 1 ? 1.0 + kAlbedo * view_factor : all[static_cast<std::size_t>(from_edge)];
-      const double expected = kAlbedo / kPi * std::sqrt(0.5) * relative;
+      const double expected = kAlbedo / std::numbers::pi * std::sqrt(0.5) * relative;
       EXPECT_NEAR(mean, expected, 0.015 * expected) << bounces << " bounces, " << s;
       difference += mean - expected;
       total += expected;

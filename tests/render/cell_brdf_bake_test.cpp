@@ -50,7 +50,7 @@ CellBrdfs run(const CellBrdfJob& job) {
   return *run_cell_brdf_job(job, cancel, {});
 }
 
-using CellBrdfBake = testing::TemporaryFolder;
+using CellBrdfBake = test::TemporaryFolder;
 
 TEST_F(CellBrdfBake, FlatCellsOfOneMaterialShareAndOthersHaveTheirOwn) {
   const CellBrdfs brdfs = run(job_of(two_places(), ""));

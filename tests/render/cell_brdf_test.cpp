@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "render/math/local_pca.h"
@@ -17,10 +18,8 @@ using shared::kCellPairs;
 using test::CellContent;
 using test::rectangle;
 
-constexpr double kPi = 3.14159265358979323846;
-
 CellReflectance lambert(const glm::vec3& albedo) {
-  return [albedo](const glm::vec3&, const glm::vec3&) { return albedo * static_cast<float>(1.0 / kPi); };
+  return [albedo](const glm::vec3&, const glm::vec3&) { return albedo * static_cast<float>(1.0 / std::numbers::pi); };
 }
 
 glm::dvec3 direction(int i) { return glm::normalize(glm::dvec3(shared::cell_direction(i))); }
@@ -69,12 +68,12 @@ TEST(CellDirections, LookupsFindTheirPixelsAndWeighTheSphereOnce) {
   }
   double sum = 0.0;
   for (float w : cell_solid_angles()) sum += static_cast<double>(w);
-  EXPECT_NEAR(sum, 4.0 * kPi, 1e-3);
+  EXPECT_NEAR(sum, 4.0 * std::numbers::pi, 1e-3);
   // A constant is interpolated exactly, the cosine approximately.
   double cosine = 0.0;
   for (int i = 0; i < kCellDirections; ++i)
     cosine += static_cast<double>(cell_solid_angles()[static_cast<std::size_t>(i)]) * std::max(direction(i).z, 0.0);
-  EXPECT_NEAR(cosine, kPi, 0.03 * kPi);
+  EXPECT_NEAR(cosine, std::numbers::pi, 0.03 * std::numbers::pi);
 }
 
 /// Compares the table that bakes use with the formulas.
@@ -129,7 +128,7 @@ TEST(CellBrdf, AFlatLambertCellIsLambert) {
     EXPECT_GE(1.0 - seen(v, i) / outline, 0.0);  // transparency: the uncovered share of the outline
     for (int j = 0; j < kCellDirections; ++j) {
       const double cj = glm::dot(frame * direction(j), glm::dvec3(up));
-      const double expected = ci * cj > 0.0 ? 0.42 * ci * cj / kPi : 0.0;
+      const double expected = ci * cj > 0.0 ? 0.42 * ci * cj / std::numbers::pi : 0.0;
       const glm::dvec3 e = lit(v, i, j);
       EXPECT_NEAR(e.x, 0.6 * expected, 1e-5);
       EXPECT_NEAR(e.z, 0.1 * expected, 1e-5);

@@ -13,8 +13,6 @@
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Environment smooth_sky() {
   Environment sky;
   sky.width = 64;
@@ -73,7 +71,7 @@ double relative_difference(const CubeLight& a, const CubeLight& b, const CubeDir
 TEST(CubeDirections, SolidAnglesFillTheSphere) {
   for (const int side : {1, 2, 8, 16, 32}) {
     const CubeDirections cube(side);
-    EXPECT_NEAR(cube.solid_angles().sum(), 4.0 * kPi, 1e-10);
+    EXPECT_NEAR(cube.solid_angles().sum(), 4.0 * std::numbers::pi, 1e-10);
     // The formula of a texel's middle, which is 0.1 % high at 16 x 16.
     const double u = 1.0 / side, middle = 4.0 / (side * side * std::pow(1.0 + 2.0 * u * u, 1.5));
     if (side > 8) {
@@ -91,7 +89,7 @@ TEST(CubeDirections, SolidAnglesFillTheSphere) {
 TEST(CubePyramid, GivesTheMeanOfEachTexelUnderAnyRotation) {
   const CubeDirections cube(16);
   const glm::dvec3 axis = glm::normalize(glm::dvec3(0.3, 0.8, -0.5));
-  const double angle = 25.0 * kPi / 180.0;
+  const double angle = 25.0 * std::numbers::pi / 180.0;
   glm::dmat3 tilted;
   for (int k = 0; k < 3; ++k) {
     glm::dvec3 e(0.0);
@@ -99,7 +97,7 @@ TEST(CubePyramid, GivesTheMeanOfEachTexelUnderAnyRotation) {
     tilted[k] = e * std::cos(angle) + glm::cross(axis, e) * std::sin(angle) +
                 axis * glm::dot(axis, e) * (1.0 - std::cos(angle));
   }
-  for (const glm::dmat3& turn : {glm::dmat3(1.0), environment_rotation(37.0 * kPi / 180.0), tilted}) {
+  for (const glm::dmat3& turn : {glm::dmat3(1.0), environment_rotation(37.0 * std::numbers::pi / 180.0), tilted}) {
     EXPECT_LT(
         relative_difference(CubePyramid(smooth_sky()).resample(cube, turn), slow_light(smooth_sky(), cube, turn), cube),
         2e-3);
@@ -118,13 +116,14 @@ TEST(CubePyramid, TheSunKeepsItsEnergyWhereverItStands) {
     double expected = 0.0;
     for (int y = 0; y < sky.height; ++y) {
       const double row =
-          2.0 * kPi / sky.width * (std::cos(kPi * y / sky.height) - std::cos(kPi * (y + 1) / sky.height));
+          2.0 * std::numbers::pi / sky.width *
+          (std::cos(std::numbers::pi * y / sky.height) - std::cos(std::numbers::pi * (y + 1) / sky.height));
       for (int x = 0; x < sky.width; ++x)
         expected += row * static_cast<double>(sky.rgb[static_cast<std::size_t>(y * sky.width + x)].x);
     }
     const CubePyramid pyramid(sky);
     for (const double degrees : {0.0, 0.1, 17.0, 37.0, 90.0}) {
-      const CubeLight light = pyramid.resample(cube, environment_rotation(degrees * kPi / 180.0));
+      const CubeLight light = pyramid.resample(cube, environment_rotation(degrees * std::numbers::pi / 180.0));
       EXPECT_NEAR(light.col(0).cast<double>().dot(cube.solid_angles()), expected, 0.02 * expected) << degrees;
     }
   }
@@ -139,7 +138,7 @@ TEST(CubePyramid, ConstantLightStaysConstant) {
 
 TEST(EnvironmentRotation, IsPositiveFromZToX) {
   // The environment's +Z is seen at +X after a quarter turn.
-  const glm::dvec3 seen = environment_rotation(0.5 * kPi) * glm::dvec3(1.0, 0.0, 0.0);
+  const glm::dvec3 seen = environment_rotation(0.5 * std::numbers::pi) * glm::dvec3(1.0, 0.0, 0.0);
   EXPECT_NEAR(glm::length(seen - glm::dvec3(0.0, 0.0, 1.0)), 0.0, 1e-12);
 }
 

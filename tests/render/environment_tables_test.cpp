@@ -20,8 +20,6 @@
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Environment make_environment(int width, int height, const std::function<double(const glm::dvec3&, int, int)>& value) {
   Environment e;
   e.width = width;
@@ -43,7 +41,8 @@ double integrate_luminance(const Environment& e) {
   double sum = 0.0;
   for (int y = 0; y < kSide * e.height; ++y) {
     const double v = (y + 0.5) / kSide;
-    const double solid_angle = std::sin(kPi * v / e.height) * kPi / (kSide * e.height) * 2.0 * kPi / (kSide * e.width);
+    const double solid_angle = std::sin(std::numbers::pi * v / e.height) * std::numbers::pi / (kSide * e.height) * 2.0 *
+                               std::numbers::pi / (kSide * e.width);
     for (int x = 0; x < kSide * e.width; ++x)
       sum += solid_angle *
              luminance(evaluate_environment(e, direction_from_latlong((x + 0.5) / kSide, v, e.width, e.height)));
@@ -117,7 +116,8 @@ TEST(EnvironmentImportance, DensityIsOneOverTheSphereAndMatchesTheCdfs) {
   const EnvironmentTables t = compute_environment_tables(e);
   double total = 0.0;
   for (int y = 0; y < 32; ++y) {
-    const double solid_angle = 2.0 * kPi / 64 * (std::cos(kPi * y / 32) - std::cos(kPi * (y + 1) / 32));
+    const double solid_angle =
+        2.0 * std::numbers::pi / 64 * (std::cos(std::numbers::pi * y / 32) - std::cos(std::numbers::pi * (y + 1) / 32));
     const auto row = static_cast<std::size_t>(y);
     for (std::size_t x = 0; x < 64; ++x) {
       const double cell = static_cast<double>(t.density[row * 64 + x]) * solid_angle;
@@ -155,9 +155,9 @@ TEST(EnvironmentImportance, SamplesFollowTheDensity) {
   EXPECT_LT(spread, 1e-4);
   for (std::size_t y = 0; y < 32; ++y)
     for (std::size_t x = 0; x < 64; ++x)
-      expected[y / 8 * 8 + x / 8] +=
-          kCount * static_cast<double>(t.density[y * 64 + x]) * 2.0 * kPi / 64 *
-          (std::cos(kPi * static_cast<double>(y) / 32) - std::cos(kPi * static_cast<double>(y + 1) / 32));
+      expected[y / 8 * 8 + x / 8] += kCount * static_cast<double>(t.density[y * 64 + x]) * 2.0 * std::numbers::pi / 64 *
+                                     (std::cos(std::numbers::pi * static_cast<double>(y) / 32) -
+                                      std::cos(std::numbers::pi * static_cast<double>(y + 1) / 32));
   double chi_square = 0.0;
   for (std::size_t i = 0; i < counts.size(); ++i)
     chi_square += (counts[i] - expected[i]) * (counts[i] - expected[i]) / expected[i];
@@ -188,7 +188,7 @@ TEST(EnvironmentImportance, RunsOfConsecutiveSamplesAreWellSpread) {
     std::set<int> boxes;
     for (std::size_t i = begin; i < begin + 256; ++i) {
       const glm::vec3& d = samples[i].direction;
-      const double u = 0.5 - std::atan2(static_cast<double>(d.x), static_cast<double>(d.z)) / (2.0 * kPi);
+      const double u = 0.5 - std::atan2(static_cast<double>(d.x), static_cast<double>(d.z)) / (2.0 * std::numbers::pi);
       const double v = 0.5 - 0.5 * static_cast<double>(d.y);
       boxes.insert(std::min(static_cast<int>(v * 16), 15) * 16 + std::min(static_cast<int>(u * 16), 15));
     }
@@ -229,8 +229,8 @@ TEST(EnvironmentImportance, ExtremesAreFinite) {
 
   const Environment one = make_environment(1, 1, [](const glm::dvec3&, int, int) { return 2.0; });
   const EnvironmentTables t = compute_environment_tables(one);
-  EXPECT_NEAR(t.luminance_integral, 8.0 * kPi, 1e-5);
-  for (const EnvironmentSample& s : sample(one, t, 0, 100)) EXPECT_NEAR(s.pdf, 1.0 / (4.0 * kPi), 1e-6);
+  EXPECT_NEAR(t.luminance_integral, 8.0 * std::numbers::pi, 1e-5);
+  for (const EnvironmentSample& s : sample(one, t, 0, 100)) EXPECT_NEAR(s.pdf, 1.0 / (4.0 * std::numbers::pi), 1e-6);
   EXPECT_EQ(*std::max_element(t.bandwidth.begin(), t.bandwidth.end()), 0.0f);
 
   // Far outside the usual range of float. Packed values end at 1e-33 (a step of 2^-110), tables do not.
@@ -263,7 +263,7 @@ TEST(EnvironmentBandwidth, CosineSkyHasItsClosedForm) {
     const Environment e = make_environment(
         256, 128, [&](const glm::dvec3& d, int, int) { return 1.0 + std::cos(m * std::atan2(d.x, d.z)); });
     const EnvironmentTables t = compute_environment_tables(e);
-    const double expected = m / (2.0 * kPi);
+    const double expected = m / (2.0 * std::numbers::pi);
     const std::vector<double> equator = row_of(t, 0.3);
     EXPECT_NEAR(median(equator) / expected, 1.0, 0.2) << m;
     // In the dark troughs of a slow cosine the far brighter light is clipped.
@@ -280,7 +280,7 @@ TEST(EnvironmentBandwidth, CosineOfTheLatitudeHasItsClosedForm) {
         make_environment(256, 128, [&](const glm::dvec3& d, int, int) { return 1.0 + std::cos(m * std::acos(d.y)); });
     const EnvironmentTables t = compute_environment_tables(e);
     for (const double latitude : {-50.0, 0.3, 40.0})
-      EXPECT_NEAR(median(row_of(t, latitude)) * 2.0 * kPi / m, 1.0, 0.2) << m << ' ' << latitude;
+      EXPECT_NEAR(median(row_of(t, latitude)) * 2.0 * std::numbers::pi / m, 1.0, 0.2) << m << ' ' << latitude;
   }
 }
 
@@ -313,7 +313,7 @@ double seen_at(const EnvironmentTables& t, int row, std::size_t k) {
 /// does. min(nu_L, nu_rho) would be wrong.
 TEST(EnvironmentBandwidth, AnEdgeSeenThroughALobeHasTheBandwidthOfItsBlur) {
   constexpr int kWidth = 512, kHeight = 256;
-  const auto elevation_of = [](double row, int height) { return kPi * (0.5 - row / height); };
+  const auto elevation_of = [](double row, int height) { return std::numbers::pi * (0.5 - row / height); };
   const auto sky = [&](double sigma) {
     return make_environment(kWidth, kHeight, [&](const glm::dvec3&, int, int y) {
       const double e = elevation_of(y + 0.5, kHeight) - 0.013;
@@ -323,7 +323,7 @@ TEST(EnvironmentBandwidth, AnEdgeSeenThroughALobeHasTheBandwidthOfItsBlur) {
   const EnvironmentTables sharp = compute_environment_tables(sky(0.0));
   for (std::size_t k = 2; k < 6; ++k) {
     const double nu_rho = seen_through(k),
-                 sigma = 1.386 / (2.0 * kPi * nu_rho);  // 95 % of the lobe's energy below nu_rho
+                 sigma = 1.386 / (2.0 * std::numbers::pi * nu_rho);  // 95 % of the lobe's energy below nu_rho
     const EnvironmentTables blurred = compute_environment_tables(sky(sigma));
     std::vector<double> ratios, of_least;
     for (int y = 0; y < sharp.bandwidth_height; ++y) {
@@ -414,14 +414,16 @@ TEST(EnvironmentBandwidth, DetailBesideASunIsNotBuried) {
   const Environment e = make_environment(256, 128, [&](const glm::dvec3& d, int, int) {
     return 1.0 + 0.5 * std::cos(40 * std::atan2(d.x, d.z)) + (glm::dot(d, sun) > std::cos(0.02) ? 1e6 : 0.0);
   });
-  EXPECT_NEAR(median(row_of(compute_environment_tables(e), -20.0)) * std::cos(radians(20.0)) * 2.0 * kPi / 40, 1.0,
-              0.25);
+  EXPECT_NEAR(
+      median(row_of(compute_environment_tables(e), -20.0)) * std::cos(radians(20.0)) * 2.0 * std::numbers::pi / 40, 1.0,
+      0.25);
 }
 
 TEST(EnvironmentBandwidth, ALargeMapKeepsItsFinestDetail) {
   const Environment e = make_environment(4096, 2048, [&](const glm::dvec3&, int x, int) { return 1.0 + (x / 2) % 2; });
   const double nu = median(row_of(compute_environment_tables(e), 0.3));
-  EXPECT_NEAR(nu / (1024 / (2.0 * kPi)), 1.0, 0.7);  // period of 4 texels, a square wave next to the Nyquist limit
+  EXPECT_NEAR(nu / (1024 / (2.0 * std::numbers::pi)), 1.0,
+              0.7);  // period of 4 texels, a square wave next to the Nyquist limit
 }
 
 TEST(EnvironmentTablesCache, GivesTheSameTables) {

@@ -15,7 +15,6 @@ namespace maquette {
 namespace {
 
 using Vec = std::array<double, 3>;
-constexpr double kPi = std::numbers::pi;
 
 // An independent FLIP, implemented directly from the papers: in double, with two-dimensional kernels, pixel by pixel.
 namespace slow {
@@ -90,7 +89,8 @@ double filter(const Image& image, int x, int y, const Kernel& k, const F& channe
 }
 
 double flip(const Image& a, const Image& b, int x, int y, double ppd) {
-  const int radius = static_cast<int>(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * kPi * kPi)) * ppd));
+  const int radius =
+      static_cast<int>(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * std::numbers::pi * std::numbers::pi)) * ppd));
   const double parameters[3][4] = {{1.0, 0.0047, 0.0, 1e-5}, {1.0, 0.0053, 0.0, 1e-5}, {34.1, 0.04, 13.5, 0.025}};
   Vec colors[2];
   for (std::size_t c = 0; c < 3; ++c) {
@@ -99,8 +99,9 @@ double flip(const Image& a, const Image& b, int x, int y, double ppd) {
         radius,
         [&](int i, int j) {
           const double d2 = (i * i + j * j) / (ppd * ppd);
-          return p[0] * std::sqrt(kPi / p[1]) * std::exp(-kPi * kPi * d2 / p[1]) +
-                 p[2] * std::sqrt(kPi / p[3]) * std::exp(-kPi * kPi * d2 / p[3]);
+          return p[0] * std::sqrt(std::numbers::pi / p[1]) *
+                     std::exp(-std::numbers::pi * std::numbers::pi * d2 / p[1]) +
+                 p[2] * std::sqrt(std::numbers::pi / p[3]) * std::exp(-std::numbers::pi * std::numbers::pi * d2 / p[3]);
         },
         false);
     for (int picture = 0; picture < 2; ++picture)

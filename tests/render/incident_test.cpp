@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <csignal>
@@ -19,6 +18,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "tests/scenes/temporary_folder.h"
+#include "tests/support/never.h"
 #include "tests/support/small_sun.h"
 #include "tests/support/test_scenes.h"
 
@@ -142,7 +142,7 @@ TEST(IncidentLight, TexelsInsideABodyAreFound) {
   EXPECT_GT(inside, 50);
 }
 
-using IncidentBakeFolder = testing::TemporaryFolder;
+using IncidentBakeFolder = test::TemporaryFolder;
 
 IncidentJob small_job(const std::string& folder) {
   IncidentJob job;
@@ -159,7 +159,6 @@ IncidentJob small_job(const std::string& folder) {
   job.must_work = true;
   return job;
 }
-const std::atomic<bool> kNever{false};
 
 TEST_F(IncidentBakeFolder, IsTheSameForAnyThreadsRanksAndInterruptions) {
   std::shared_ptr<const IncidentBake> alone;

@@ -16,7 +16,6 @@ namespace {
 using namespace maquette;
 using test::matte;
 
-constexpr double kPi = std::numbers::pi;
 const std::atomic<bool> kGoOn{false};
 
 std::shared_ptr<Environment> make_sky(int width, int height, const std::function<glm::vec3(double, double)>& f) {
@@ -25,7 +24,8 @@ std::shared_ptr<Environment> make_sky(int width, int height, const std::function
   sky->height = height;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      sky->rgb.push_back(f(kPi - 2.0 * kPi * (x + 0.5) / width, kPi / 2 - kPi * (y + 0.5) / height));
+      sky->rgb.push_back(f(std::numbers::pi - 2.0 * std::numbers::pi * (x + 0.5) / width,
+                           std::numbers::pi / 2 - std::numbers::pi * (y + 0.5) / height));
   return sky;
 }
 
@@ -102,12 +102,12 @@ TEST(IndirectBake, BowlUnderAConstantSkyIsAnIntegratingSphere) {
   for (const float rho : {0.3f, 0.8f}) {
     const Baked b = bake(bowl(rho));
     const auto radiance = solve(b, {sky, 0.4f, 1.5f});
-    const double direct = kPi * 2.0 * 1.5 / 2.0, expected = direct * 0.5 * rho / (1.0 - 0.5 * rho);
+    const double direct = std::numbers::pi * 2.0 * 1.5 / 2.0, expected = direct * 0.5 * rho / (1.0 - 0.5 * rho);
     double mean = 0.0, square = 0.0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < b.links->points.points.size(); ++i) {
       if (b.links->points.points[i].position.y > 0.1f) continue;  // vertices on the rim see only half of the bowl
-      const double e = kPi * static_cast<double>(radiance[i].mean.x);
+      const double e = std::numbers::pi * static_cast<double>(radiance[i].mean.x);
       mean += e;
       square += (e / expected - 1.0) * (e / expected - 1.0);
       ++count;
@@ -129,13 +129,13 @@ TEST(IndirectBake, BacksThatAreSeenReflectAsFrontsDo) {
   const Baked b = bake(scene);
   ASSERT_EQ(b.links->sides, 2);
   const auto radiance = solve(b, {make_sky(64, 32, [](double, double) { return glm::vec3(2.0f); }), 0.0f, 1.0f});
-  const double expected = kPi * 0.5 * 0.6 / (1.0 - 0.5 * 0.6) * 2.0 / 2.0;
+  const double expected = std::numbers::pi * 0.5 * 0.6 / (1.0 - 0.5 * 0.6) * 2.0 / 2.0;
   const std::size_t points = b.links->points.points.size();
   double mean = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < points; ++i) {
     if (b.links->points.points[i].position.y > 0.1f) continue;
-    mean += kPi * static_cast<double>(radiance[points + i].mean.x);
+    mean += std::numbers::pi * static_cast<double>(radiance[points + i].mean.x);
     ++count;
   }
   ASSERT_GT(count, 800u);
@@ -187,7 +187,7 @@ Scene corner() {
 std::shared_ptr<Environment> sun_at(double longitude, double latitude) {
   return make_sky(256, 128, [=](double lon, double lat) {
     double away = std::abs(lon - longitude);
-    away = std::min(away, 2.0 * kPi - away);
+    away = std::min(away, 2.0 * std::numbers::pi - away);
     return glm::vec3(away < 0.03 && std::abs(lat - latitude) < 0.03 ? 1e4f : 0.0f);
   });
 }
@@ -195,7 +195,7 @@ std::shared_ptr<Environment> sun_at(double longitude, double latitude) {
 TEST(IndirectBake, LightComesFromTheSunlitWall) {
   const Baked b = bake(corner());
   // atan2(x, z) = pi/2 is +x; the sun 30 degrees above it lights the wall and the floor.
-  const auto radiance = solve(b, {sun_at(kPi / 2, 0.5), 0.0f, 1.0f});
+  const auto radiance = solve(b, {sun_at(std::numbers::pi / 2, 0.5), 0.0f, 1.0f});
   double reds = 0.0, others = 0.0, along = 0.0;
   for (std::size_t i = 0; i < b.links->points.points.size(); ++i) {
     const VisibilityPoint& p = b.links->points.points[i];
@@ -212,9 +212,9 @@ TEST(IndirectBake, LightComesFromTheSunlitWall) {
 
 TEST(IndirectBake, RotatingTheSkyNeedsNoRays) {
   const Baked b = bake(corner());
-  const double turn = 2.0 * kPi / 256 * 29;  // whole texels
-  const auto turned = solve(b, {sun_at(kPi / 2 - turn, 0.5), static_cast<float>(turn), 1.0f});
-  const auto there = solve(b, {sun_at(kPi / 2, 0.5), 0.0f, 1.0f});
+  const double turn = 2.0 * std::numbers::pi / 256 * 29;  // whole texels
+  const auto turned = solve(b, {sun_at(std::numbers::pi / 2 - turn, 0.5), static_cast<float>(turn), 1.0f});
+  const auto there = solve(b, {sun_at(std::numbers::pi / 2, 0.5), 0.0f, 1.0f});
   double difference = 0.0, sum = 0.0;
   for (std::size_t i = 0; i < there.size(); ++i) {
     difference += static_cast<double>(std::abs(turned[i].mean.x - there[i].mean.x));
@@ -230,7 +230,7 @@ TEST(IndirectBake, StepsFollowARotatingSky) {
   const Baked b = bake(bowl(0.8f));
   IndirectLinks links = *b.links;
   links.scene = nullptr;
-  const auto sky = sun_at(kPi / 2, 0.9);
+  const auto sky = sun_at(std::numbers::pi / 2, 0.9);
   const auto solved = [&](float rotation_rad) {
     return *solve_indirect(links, *b.visibility, {sky, rotation_rad, 1.0f}, IndirectBounces::all, nullptr, kGoOn);
   };
@@ -300,7 +300,8 @@ TEST(IndirectBake, BlocksOfTexelsAreTheSky) {
   glm::dvec3 total(0.0);
   for (int y = 0; y < sky->height; ++y) {
     const double solid_angle =
-        2.0 * kPi / sky->width * (std::cos(kPi * y / sky->height) - std::cos(kPi * (y + 1) / sky->height));
+        2.0 * std::numbers::pi / sky->width *
+        (std::cos(std::numbers::pi * y / sky->height) - std::cos(std::numbers::pi * (y + 1) / sky->height));
     for (int x = 0; x < sky->width; ++x) {
       const glm::dvec3 light =
           2.0 * solid_angle * glm::dvec3(sky->rgb[static_cast<std::size_t>(y) * 1024u + static_cast<std::size_t>(x)]);
@@ -349,7 +350,7 @@ TEST(IndirectBake, SameAtAnyThreadCountAndFiniteUnderASun) {
 /// by 30 degrees.
 TEST(IndirectBake, TiltedNormalsAreAccurate) {
   const Baked b = bake(corner(), 1 << 19);
-  const auto radiance = solve(b, {sun_at(kPi / 2, 0.5), 0.0f, 1.0f});
+  const auto radiance = solve(b, {sun_at(std::numbers::pi / 2, 0.5), 0.0f, 1.0f});
   double constant = 0.0, linear = 0.0, sum = 0.0;
   const std::size_t rays = static_cast<std::size_t>(b.links->rays);
   for (std::size_t i = 0; i < b.links->points.points.size(); ++i) {
@@ -357,7 +358,7 @@ TEST(IndirectBake, TiltedNormalsAreAccurate) {
     if (p.normal.y < 0.5f || p.position.x > 0.3f) continue;
     const IndirectFrame frame = indirect_frame(p, i, 0);
     for (int k = 0; k < 8; ++k) {
-      const double phi = k * kPi / 4.0;
+      const double phi = k * std::numbers::pi / 4.0;
       const glm::vec3 n(0.5f * static_cast<float>(std::cos(phi)), 0.8660254f, 0.5f * static_cast<float>(std::sin(phi)));
       // Irradiance / pi by the rays, which are cosine-distributed about p.normal. Only the wall reflects light, and
       // uniformly enough to use its mean.
@@ -414,7 +415,7 @@ TEST(IndirectShared, PackingKeepsMeanAndGradient) {
 TEST(IndirectKind, ARotatedSkyIsUsedAndOldSurfacesAreNot) {
   const Baked b = bake(corner(), 1 << 16), other = bake(bowl(0.5f), 1 << 16);
   BakeWorker<IndirectJob, IndirectResult> worker(std::make_shared<IndirectKind>(), IndirectKind::spares);
-  const auto sky = sun_at(kPi / 2, 0.5);
+  const auto sky = sun_at(std::numbers::pi / 2, 0.5);
   worker.submit({b.input, b.visibility, {sky, 0.0f, 1.0f}});
   worker.wait();
   auto first = worker.take();

@@ -12,13 +12,12 @@
 #include "render/reference/path_scene.h"
 #include "scenes/btf/btf_file.h"
 #include "scenes/error.h"
+#include "tests/support/never.h"
 #include "tests/support/small_btf.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
-
-const std::atomic<bool> kNever{false};
 
 /// A sheet whose tangents lie at 0.4 rad to the world's axes, and its light: a lobe that wanders over the texels.
 struct Sheet {

@@ -10,12 +10,11 @@
 #include "render/prt/relight.h"
 #include "render/prt/transfer.h"
 #include "scenes/btf/half_floats.h"
+#include "tests/support/never.h"
 #include "tests/support/small_btf.h"
 
 namespace maquette {
 namespace {
-
-const std::atomic<bool> kNever{false};
 
 glm::vec3 local_direction(int i) {
   const double z = (i % 7 + 0.5) / 7.0, phi = 2.4 * i, r = std::sqrt(1.0 - z * z);

@@ -11,8 +11,6 @@
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// The same source in double.
 namespace exact {
 using dvec2 = glm::dvec2;
@@ -214,7 +212,7 @@ TEST(LightBandwidth, LambertianUnderAPointLight) {
   double below = 0.0;
   double all = 0.0;
   for (double nu = 0.0005; nu < 5.0; nu += 0.001) {
-    const double energy = std::exp(-4.0 * kPi * nu) * nu;
+    const double energy = std::exp(-4.0 * std::numbers::pi * nu) * nu;
     all += energy;
     if (nu < 0.3775) below += energy;
   }
@@ -370,14 +368,14 @@ TEST(LightList, SelectionFollowsTheFlux) {
   for (std::size_t i = 0; i < 2; ++i) {  // through a sphere of 2 m around the light
     for (int k = 0; k < count; ++k) {
       const double y = 2.0 * uniform(random) - 1.0;
-      const double phi = 2.0 * kPi * uniform(random);
+      const double phi = 2.0 * std::numbers::pi * uniform(random);
       const double r = std::sqrt(1.0 - y * y);
       const glm::vec3 d(r * std::cos(phi), y, r * std::sin(phi));
       const auto s = shared::light_sample(list.lights[i], list.lights[i].position + 2.0f * d, {0.5f, 0.5f});
-      flux[i] += s.radiance.x * 4.0 * kPi * 4.0 / count;
+      flux[i] += s.radiance.x * 4.0 * std::numbers::pi * 4.0 / count;
     }
   }
-  flux[2] = flux[3] = kPi * 100.0 * 0.5;
+  flux[2] = flux[3] = std::numbers::pi * 100.0 * 0.5;
   const double all = flux[0] + flux[1] + flux[2] + flux[3];
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(list.lights[i].selection_pdf, flux[i] / all, 0.01) << i;
 }

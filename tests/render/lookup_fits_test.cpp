@@ -14,22 +14,20 @@ namespace {
 
 using namespace maquette;
 
-constexpr double kPi = std::numbers::pi;
-
 /// Integral of f(wi, h, wo) cos(theta_i) over the hemisphere, midpoints in double.
 double reflected(double nv, const std::function<double(const glm::dvec3&, const glm::dvec3&)>& f) {
   constexpr int kTheta = 800, kPhi = 800;
   const glm::dvec3 wo(std::sqrt(1.0 - nv * nv), 0.0, nv);
   double sum = 0.0;
   for (int i = 0; i < kTheta; ++i) {
-    const double theta = kPi / 2.0 * (i + 0.5) / kTheta;
+    const double theta = std::numbers::pi / 2.0 * (i + 0.5) / kTheta;
     for (int j = 0; j < kPhi; ++j) {
-      const double phi = kPi * (j + 0.5) / kPhi;  // half of it, by symmetry
+      const double phi = std::numbers::pi * (j + 0.5) / kPhi;  // half of it, by symmetry
       const glm::dvec3 wi(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
       sum += f(wi, glm::normalize(wi + wo)) * wi.z * std::sin(theta);
     }
   }
-  return 2.0 * sum * (kPi / 2.0 / kTheta) * (kPi / kPhi);
+  return 2.0 * sum * (std::numbers::pi / 2.0 / kTheta) * (std::numbers::pi / kPhi);
 }
 
 TEST(SgAlbedo, AgreesWithBruteForce) {
@@ -54,8 +52,9 @@ TEST(ReflectanceTable, SheenAndSchlickAgreeWithBruteForce) {
   const Image table = reflectance_table(kTableSize), split = split_sum_table(kTableSize);
   for (const int x : {3, 12}) {
     const double nv = (x + 0.5) / kTableSize;
-    const double weight = reflected(
-        nv, [&](const glm::dvec3& wi, const glm::dvec3& h) { return std::pow(1.0 - glm::dot(wi, h), 5.0) / kPi; });
+    const double weight = reflected(nv, [&](const glm::dvec3& wi, const glm::dvec3& h) {
+      return std::pow(1.0 - glm::dot(wi, h), 5.0) / std::numbers::pi;
+    });
     EXPECT_NEAR(table.at(x, 5, 3), weight, 0.01 * weight + 1e-5);
     for (const int y : {6, 14}) {
       const double roughness = (y + 0.5) / kTableSize;
@@ -78,7 +77,7 @@ TEST(SplitsumFit, FindsTheReflectancesThatMadeAnAlbedo) {
   const glm::vec3 f0(0.04f, 0.5f, 0.0f), f90(1.0f, 0.7f, 0.3f);
   std::vector<glm::vec3> albedo;
   for (int i = 0; i < 64; ++i) {
-    const double at = std::clamp(std::cos(kPi / 2.0 * i / 63.0) * 64.0 - 0.5, 0.0, 63.0);
+    const double at = std::clamp(std::cos(std::numbers::pi / 2.0 * i / 63.0) * 64.0 - 0.5, 0.0, 63.0);
     const int x = std::min(static_cast<int>(at), 62);
     const auto f = static_cast<float>(at - x);
     const float a = table.at(x, 20, 0) * (1.0f - f) + table.at(x + 1, 20, 0) * f;
@@ -109,7 +108,7 @@ TEST(SgEnergy, GivesEachElevationItsAlbedo) {
   ASSERT_EQ(energy.view_factor.size(), 64u);
   EXPECT_NEAR(energy.diffuse.x, 0.2f, 1e-6f);
   for (const std::size_t i : {0u, 30u, 60u}) {
-    const double nv = std::cos(kPi / 2.0 * static_cast<double>(i) / 63.0);
+    const double nv = std::cos(std::numbers::pi / 2.0 * static_cast<double>(i) / 63.0);
     for (int c = 0; c < 2; ++c) {
       const double lobes = static_cast<double>(shape.lobes[0].amplitude[c]) *
                            sg_albedo(static_cast<double>(shape.lobes[0].sharpness[c]), nv);

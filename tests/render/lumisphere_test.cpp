@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <random>
 
 #include "render/math/low_discrepancy.h"
@@ -11,8 +12,6 @@
 
 namespace maquette {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(Lumisphere, BinsFillTheHemisphere) {
   for (const int side : {1, 2, 7, 16, 32}) {
@@ -25,8 +24,8 @@ TEST(Lumisphere, BinsFillTheHemisphere) {
       EXPECT_GT(sphere.direction(b).z, 0.0f);
       EXPECT_EQ(sphere.bin_of_cell(sphere.cell_of_bin(b)), b);
     }
-    EXPECT_NEAR(solid, 2.0 * kPi, 1e-9);
-    EXPECT_NEAR(projected, kPi, 1e-9);
+    EXPECT_NEAR(solid, 2.0 * std::numbers::pi, 1e-9);
+    EXPECT_NEAR(projected, std::numbers::pi, 1e-9);
   }
 }
 
@@ -37,10 +36,10 @@ TEST(Lumisphere, WeightsAreTheBinsSolidAngles) {
   constexpr int kSide = 2000;
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {
-      const double z = (i + 0.5) / kSide, phi = 2.0 * kPi * (j + 0.5) / kSide, r = std::sqrt(1.0 - z * z);
+      const double z = (i + 0.5) / kSide, phi = 2.0 * std::numbers::pi * (j + 0.5) / kSide, r = std::sqrt(1.0 - z * z);
       const auto b = static_cast<std::size_t>(sphere.bin_of({r * std::cos(phi), r * std::sin(phi), z}));
-      solid[b] += 2.0 * kPi / (double{kSide} * kSide);
-      projected[b] += z * 2.0 * kPi / (double{kSide} * kSide);
+      solid[b] += 2.0 * std::numbers::pi / (double{kSide} * kSide);
+      projected[b] += z * 2.0 * std::numbers::pi / (double{kSide} * kSide);
     }
   for (int b = 0; b < sphere.count(); ++b) {
     EXPECT_NEAR(solid[static_cast<std::size_t>(b)], sphere.solid_angle(b), 2e-5 + 2e-3 * sphere.solid_angle(b));
@@ -75,11 +74,11 @@ TEST(Lumisphere, SamplesOfABinHaveItsCosineWeightedMean) {
 /// With the cosine of the bin's centre instead the sum misses by up to 59 % (math notes).
 TEST(Lumisphere, IrradianceOfASmallSunIsExact) {
   const Lumisphere sphere;
-  const double radius = 0.27 * kPi / 180.0, solid = 2.0 * kPi * (1.0 - std::cos(radius));
+  const double radius = 0.27 * std::numbers::pi / 180.0, solid = 2.0 * std::numbers::pi * (1.0 - std::cos(radius));
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int trial = 0; trial < 200; ++trial) {
-    double z = unit(random), phi = 2.0 * kPi * unit(random);
+    double z = unit(random), phi = 2.0 * std::numbers::pi * unit(random);
     if (trial % 4 == 0) {  // on an edge between bins
       const glm::vec2 p(-1.0f + 0.125f * static_cast<float>(trial / 4 % 17), 0.9f * static_cast<float>(unit(random)));
       if (glm::dot(p, p) < 0.99f) {
@@ -96,7 +95,7 @@ TEST(Lumisphere, IrradianceOfASmallSunIsExact) {
     for (int i = 0; i < kRings; ++i)
       for (int j = 0; j < kTurns; ++j) {
         const double c = 1.0 - (1.0 - std::cos(radius)) * (i + 0.5) / kRings, s = std::sqrt(1.0 - c * c);
-        const double turn = 2.0 * kPi * (j + 0.5) / kTurns;
+        const double turn = 2.0 * std::numbers::pi * (j + 0.5) / kTurns;
         const glm::dvec3 d = glm::normalize(center * c + glm::dvec3(basis.t) * (s * std::cos(turn)) +
                                             glm::dvec3(basis.b) * (s * std::sin(turn)));
         if (d.z <= 0.0) continue;

@@ -28,7 +28,7 @@ glm::dvec3 coordinates_by_rotation(const glm::dvec3& wi, const glm::dvec3& wo) {
           180.0 * phi_d / glm::pi<double>() - 0.5};
 }
 
-glm::dvec3 direction(double theta, double phi) {
+glm::dvec3 unit_of(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
 
@@ -70,8 +70,8 @@ TEST(MerlShared, RandomPairsAgreeWithRotations) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int i = 0; i < 20000; ++i) {
-    const glm::vec3 wi(direction(std::acos(unit(random)), 6.2831853 * unit(random)));
-    const glm::vec3 wo(direction(std::acos(unit(random)), 6.2831853 * unit(random)));
+    const glm::vec3 wi(unit_of(std::acos(unit(random)), 6.2831853 * unit(random)));
+    const glm::vec3 wo(unit_of(std::acos(unit(random)), 6.2831853 * unit(random)));
     expect_agreement(wi, wo, 2e-3);
   }
 }
@@ -81,8 +81,8 @@ TEST(MerlShared, GrazingPairsAgreeWithRotations) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int i = 0; i < 5000; ++i) {
     const double elevation = 1e-4 + 0.02 * unit(random);
-    const glm::vec3 wi(direction(glm::half_pi<double>() - elevation, 6.2831853 * unit(random)));
-    const glm::vec3 wo(direction(std::acos(unit(random)), 6.2831853 * unit(random)));
+    const glm::vec3 wi(unit_of(glm::half_pi<double>() - elevation, 6.2831853 * unit(random)));
+    const glm::vec3 wo(unit_of(std::acos(unit(random)), 6.2831853 * unit(random)));
     expect_agreement(wi, wo, 2e-3);
   }
 }
@@ -93,8 +93,8 @@ TEST(MerlShared, NearMirrorPairsKeepSmallThetaH) {
   for (int i = 0; i < 5000; ++i) {
     const double theta = 1.5 * unit(random), phi = 6.2831853 * unit(random);
     const double offset = std::pow(10.0, -5.0 + 4.0 * unit(random));
-    const glm::vec3 wo(direction(theta, phi));
-    const glm::vec3 wi(direction(theta + offset, phi + glm::pi<double>() + offset * (unit(random) - 0.5)));
+    const glm::vec3 wo(unit_of(theta, phi));
+    const glm::vec3 wi(unit_of(theta + offset, phi + glm::pi<double>() + offset * (unit(random) - 0.5)));
     const glm::vec3 actual = merl_coordinates(wi, wo);
     const glm::dvec3 expected = coordinates_by_rotation(wi, wo);
     // Rounding of the float directions themselves is about 1e-7 rad, 0.02 bins at theta_h = 0 and falling as 1 / sqrt.
@@ -105,7 +105,7 @@ TEST(MerlShared, NearMirrorPairsKeepSmallThetaH) {
 
 TEST(MerlShared, ExactMirrorIsAtTheLobeCentre) {
   for (double theta : {0.0, 0.1, 0.7, 1.2, 1.57}) {
-    const glm::vec3 wo(direction(theta, 0.3));
+    const glm::vec3 wo(unit_of(theta, 0.3));
     const glm::vec3 wi(-wo.x, -wo.y, wo.z);
     const glm::vec3 c = merl_coordinates(wi, wo);
     EXPECT_EQ(c.x, -0.5f);
@@ -116,12 +116,12 @@ TEST(MerlShared, ExactMirrorIsAtTheLobeCentre) {
 
 TEST(MerlShared, IdenticalAndNearlyIdenticalDirectionsHaveSmallThetaD) {
   for (double theta : {0.0, 1e-4, 0.5, 1.2, 1.5}) {
-    const glm::vec3 wo(direction(theta, 1.0));
+    const glm::vec3 wo(unit_of(theta, 1.0));
     const glm::vec3 same = merl_coordinates(wo, wo);
     EXPECT_EQ(same.y, -0.5f);
     EXPECT_NEAR(same.x, 90.0 * std::sqrt(theta / glm::half_pi<double>()) - 0.5, 2e-2 / (1.0 + 1e4 * theta) + 2e-3);
     EXPECT_TRUE(std::isfinite(same.z));
-    const glm::vec3 close = merl_coordinates(glm::vec3(direction(theta + 1e-5, 1.0)), wo);
+    const glm::vec3 close = merl_coordinates(glm::vec3(unit_of(theta + 1e-5, 1.0)), wo);
     EXPECT_NEAR(close.y, -0.5, 1e-3);
   }
 }
@@ -130,8 +130,8 @@ TEST(MerlShared, ReciprocalPairsGiveTheSameEntry) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int i = 0; i < 5000; ++i) {
-    const glm::vec3 wi(direction(std::acos(unit(random)), 6.2831853 * unit(random)));
-    const glm::vec3 wo(direction(std::acos(unit(random)), 6.2831853 * unit(random)));
+    const glm::vec3 wi(unit_of(std::acos(unit(random)), 6.2831853 * unit(random)));
+    const glm::vec3 wo(unit_of(std::acos(unit(random)), 6.2831853 * unit(random)));
     const glm::vec3 a = merl_coordinates(wi, wo), b = merl_coordinates(wo, wi);
     EXPECT_EQ(a.x, b.x);
     EXPECT_EQ(a.y, b.y);

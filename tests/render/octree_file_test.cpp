@@ -35,7 +35,7 @@ OctreeResult run(const OctreeJob& job) {
   return *run_octree_job(job, cancel, {});
 }
 
-using OctreeFileTest = testing::TemporaryFolder;
+using OctreeFileTest = test::TemporaryFolder;
 
 TEST_F(OctreeFileTest, RoundTrips) {
   const std::string file = path("octree.exr");

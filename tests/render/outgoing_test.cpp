@@ -9,12 +9,11 @@
 #include "render/slf/light_field.h"
 #include "render/slf/parabolic.h"
 #include "scenes/error.h"
+#include "tests/support/never.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
-
-const std::atomic<bool> kNever{false};
 
 std::shared_ptr<const PathScene> traced(const Scene& scene) {
   return build_path_scene({.scene = scene, .environment = test::constant_sky(0.0f)});

@@ -12,8 +12,6 @@
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Environment make_environment(int width, const std::function<glm::dvec3(const glm::dvec3&, int, int)>& value) {
   Environment e;
   e.width = width;
@@ -28,7 +26,8 @@ glm::dvec3 flux(const Image& map) {
   glm::dvec3 sum(0.0);
   for (int y = 0; y < map.height; ++y) {
     const double solid_angle =
-        2.0 * kPi / map.width * (std::cos(kPi * y / map.height) - std::cos(kPi * (y + 1) / map.height));
+        2.0 * std::numbers::pi / map.width *
+        (std::cos(std::numbers::pi * y / map.height) - std::cos(std::numbers::pi * (y + 1) / map.height));
     for (int x = 0; x < map.width; ++x)
       sum += solid_angle * glm::dvec3(map.at(x, y, 0), map.at(x, y, 1), map.at(x, y, 2));
   }
@@ -53,7 +52,7 @@ Environment sloping_sky(int width = 256) {
 double mean_cosine(const std::function<double(double)>& kernel) {
   double weighted = 0.0, total = 0.0;
   for (int i = 0; i < 200000; ++i) {
-    const double theta = kPi / 2.0 * (i + 0.5) / 200000;
+    const double theta = std::numbers::pi / 2.0 * (i + 0.5) / 200000;
     weighted += kernel(theta) * std::sin(theta) * std::cos(theta);
     total += kernel(theta) * std::sin(theta);
   }
@@ -103,13 +102,14 @@ TEST(Prefilter, DiffuseIsTwoThirds) {
 TEST(Prefilter, AHotTexelKeepsItsEnergyAndMakesTheLobe) {
   const Environment e = make_environment(
       256, [](const glm::dvec3&, int x, int y) { return glm::dvec3(x == 100 && y == 50 ? 1e6 : 0.0); });
-  const double solid_angle = 2.0 * kPi / 256 * (std::cos(kPi * 50 / 128) - std::cos(kPi * 51 / 128));
+  const double solid_angle =
+      2.0 * std::numbers::pi / 256 * (std::cos(std::numbers::pi * 50 / 128) - std::cos(std::numbers::pi * 51 / 128));
   const glm::dvec3 sun = direction_from_latlong(100.5, 50.5, 256, 128);
   for (const float lambda : {8.0f, 50.0f}) {
     const Image map = prefilter_sg(e, {lambda})[0];
     EXPECT_NEAR(flux(map).x / (1e6 * solid_angle), 1.0, 0.05) << lambda;
     const double l = static_cast<double>(lambda),
-                 peak = 1e6 * solid_angle * l / (2.0 * kPi * (1.0 - std::exp(-2.0 * l)));
+                 peak = 1e6 * solid_angle * l / (2.0 * std::numbers::pi * (1.0 - std::exp(-2.0 * l)));
     double worst = 0.0;
     for (int y = 0; y < map.height; ++y) {
       for (int x = 0; x < map.width; ++x) {
@@ -161,11 +161,12 @@ TEST(SplitSum, FollowsItsIntegral) {
     constexpr int kSteps = 700;
     for (int i = 0; i < kSteps; ++i) {
       for (int j = 0; j < kSteps; ++j) {
-        const double nl = (i + 0.5) / kSteps, phi = 2.0 * kPi * (j + 0.5) / kSteps;
+        const double nl = (i + 0.5) / kSteps, phi = 2.0 * std::numbers::pi * (j + 0.5) / kSteps;
         const glm::dvec3 l(std::sqrt(1.0 - nl * nl) * std::cos(phi), std::sqrt(1.0 - nl * nl) * std::sin(phi), nl);
         const glm::dvec3 h = glm::normalize(l + view);
         const double d = h.z * h.z * (a2 - 1.0) + 1.0, vh = glm::dot(view, h);
-        const double f = a2 / (kPi * d * d) * g1(nl) * g1(nv) / (4.0 * nl * nv) * nl * 2.0 * kPi / (kSteps * kSteps);
+        const double f = a2 / (std::numbers::pi * d * d) * g1(nl) * g1(nv) / (4.0 * nl * nv) * nl * 2.0 *
+                         std::numbers::pi / (kSteps * kSteps);
         const double fresnel = std::pow(1.0 - vh, 5.0);
         scale += (1.0 - fresnel) * f;
         bias += fresnel * f;

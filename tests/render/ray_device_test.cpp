@@ -1,12 +1,12 @@
 #include "render/raytraced/ray_device.h"
 
 #include <gtest/gtest.h>
-#include <tbb/parallel_for.h>
 
 #include <atomic>
 #include <thread>
 
 #include "render/raytraced/ray_scene.h"
+#include "scenes/parallel.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
@@ -21,7 +21,7 @@ TEST(RayDevice, LoopsAfterABuildKeepDenormals) {
   std::atomic<int> flushed{0};
   std::thread([&] {
     const RayScene built = build_ray_scene(geometry, std::vector<bool>(geometry.items.size(), true));
-    tbb::parallel_for(0, 20000, [&](int) {
+    parallel_for(0, 20000, [&](int) {
       volatile float small = 1e-38f;
       if (!(small * 0.01f > 0.0f)) ++flushed;
     });

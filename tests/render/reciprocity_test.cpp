@@ -15,7 +15,7 @@
 namespace {
 
 using namespace maquette;
-using maquette::testing::TemporaryFolder;
+using maquette::test::TemporaryFolder;
 
 namespace analytic {
 #pragma GCC diagnostic push
@@ -30,13 +30,11 @@ using namespace glm;
 #pragma GCC diagnostic pop
 }  // namespace analytic
 
-constexpr double kPi = std::numbers::pi;
-
 struct Pairs {
   std::mt19937 random{test::test_seed(23)};
   std::uniform_real_distribution<double> unit{0.0, 1.0};
   glm::dvec3 direction(bool grazing) {
-    const double z = grazing ? 1e-4 + 0.02 * unit(random) : unit(random), phi = 2.0 * kPi * unit(random);
+    const double z = grazing ? 1e-4 + 0.02 * unit(random) : unit(random), phi = 2.0 * std::numbers::pi * unit(random);
     const double r = std::sqrt(1.0 - z * z);
     return {r * std::cos(phi), r * std::sin(phi), z};
   }
@@ -161,13 +159,13 @@ double albedo(const analytic::AnalyticMaterial& m, double cos_o) {
     const double step = 16.0 / kT, tangent = std::exp(-10.0 + (i + 0.5) * step), c2 = 1.0 / (1.0 + tangent * tangent);
     const double c = std::sqrt(c2), s = tangent * c;
     for (int j = 0; j < kP; ++j) {
-      const double phi = kPi * (j + 0.5) / kP;
+      const double phi = std::numbers::pi * (j + 0.5) / kP;
       const glm::dvec3 h(s * std::cos(phi), s * std::sin(phi), c);
       const double projection = glm::dot(wo, h);
       const glm::dvec3 wi = 2.0 * projection * h - wo;
       if (projection <= 0.0 || wi.z <= 0.0) continue;
       const double f = static_cast<double>(analytic::evaluate_analytic(m, glm::vec3(wi), glm::vec3(wo)).total.y);
-      sum += f * wi.z * 4.0 * projection * s * tangent * c2 * step * 2.0 * kPi / kP;
+      sum += f * wi.z * 4.0 * projection * s * tangent * c2 * step * 2.0 * std::numbers::pi / kP;
     }
   }
   return sum;
@@ -183,9 +181,9 @@ TEST(SheenAlbedo, AgreesWithQuadrature) {
       double sum = 0.0;
       for (int i = 0; i < kTheta; ++i)
         for (int j = 0; j < kPhi; ++j) {
-          const double z = (i + 0.5) / kTheta, phi = kPi * (j + 0.5) / kPhi, s = std::sqrt(1.0 - z * z);
+          const double z = (i + 0.5) / kTheta, phi = std::numbers::pi * (j + 0.5) / kPhi, s = std::sqrt(1.0 - z * z);
           const glm::dvec3 wi(s * std::cos(phi), s * std::sin(phi), z);
-          sum += test::sheen_lobe(wi, wo, roughness * roughness) * z * 2.0 * kPi / (kTheta * kPhi);
+          sum += test::sheen_lobe(wi, wo, roughness * roughness) * z * 2.0 * std::numbers::pi / (kTheta * kPhi);
           if (i % 97 == 3 && j % 31 == 5) {
             const float lobe = analytic::sheen_lobe(glm::vec3(glm::normalize(wi + wo)), glm::vec3(wi), glm::vec3(wo),
                                                     static_cast<float>(roughness * roughness));

@@ -33,7 +33,6 @@ using namespace glm;
 #pragma GCC diagnostic pop
 }  // namespace analytic
 
-constexpr double kPi = std::numbers::pi;
 /// See brdf_chi_square_test.cpp.
 constexpr double kLeastP = 1e-7;
 
@@ -43,7 +42,7 @@ struct HalfBins {
   static constexpr double kLow = -12.0, kHigh = 7.0;
   static std::size_t index(double log_tangent, double phi) {
     const double i = std::clamp((log_tangent - kLow) / (kHigh - kLow) * kTangents, 0.0, kTangents - 1.0);
-    const double j = std::clamp((phi + kPi) / (2.0 * kPi) * kAzimuths, 0.0, kAzimuths - 1.0);
+    const double j = std::clamp((phi + std::numbers::pi) / (2.0 * std::numbers::pi) * kAzimuths, 0.0, kAzimuths - 1.0);
     return static_cast<std::size_t>(i) * kAzimuths + static_cast<std::size_t>(j);
   }
 };
@@ -90,11 +89,12 @@ test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta,
     const double step = (HalfBins::kHigh - HalfBins::kLow) / kFineT, u = HalfBins::kLow + (i + 0.5) * step;
     const double tangent = std::exp(u), c2 = 1.0 / (1.0 + tangent * tangent);
     for (int j = 0; j < kFineP; ++j) {
-      const double phi = -kPi + 2.0 * kPi * (j + 0.5) / kFineP;
+      const double phi = -std::numbers::pi + 2.0 * std::numbers::pi * (j + 0.5) / kFineP;
       const glm::dvec3 wi = light_of(wo, tangent, phi);
       const double projection = 0.5 * glm::length(wi + wo);
       if (wi.z <= 0.0 || glm::dot(wi + wo, glm::dvec3(0.0, 0.0, 1.0)) <= 0.0) continue;
-      const double solid_angle = tangent * std::sqrt(c2) * tangent * c2 * step * 2.0 * kPi / kFineP;  // sin dtheta dphi
+      const double solid_angle =
+          tangent * std::sqrt(c2) * tangent * c2 * step * 2.0 * std::numbers::pi / kFineP;  // sin dtheta dphi
       expected[HalfBins::index(u, phi)] += static_cast<double>(samples) * solid_angle * 4.0 * projection *
                                            static_cast<double>(analytic::analytic_pdf(m, weights, glm::vec3(wi), view));
     }
@@ -167,7 +167,8 @@ std::vector<NamedEnvironment> environments() {
 }
 
 double cell_solid_angle(int y, int width, int height) {
-  return 2.0 * kPi / width * (std::cos(kPi * y / height) - std::cos(kPi * (y + 1) / height));
+  return 2.0 * std::numbers::pi / width *
+         (std::cos(std::numbers::pi * y / height) - std::cos(std::numbers::pi * (y + 1) / height));
 }
 
 /// Every lobe with a share gets a sample, and no count is off by more than these extra samples.
@@ -225,8 +226,11 @@ TEST(EnvironmentChiSquare, SamplesFollowTheDensity) {
     for (const EnvironmentSample& s : list) {
       const double latitude = std::asin(std::clamp(static_cast<double>(s.direction.y), -1.0, 1.0));
       const double longitude = std::atan2(static_cast<double>(s.direction.x), static_cast<double>(s.direction.z));
-      const int x = std::clamp(static_cast<int>((kPi - longitude) / (2.0 * kPi) * tables.width), 0, tables.width - 1);
-      const int y = std::clamp(static_cast<int>((0.5 - latitude / kPi) * tables.height), 0, tables.height - 1);
+      const int x =
+          std::clamp(static_cast<int>((std::numbers::pi - longitude) / (2.0 * std::numbers::pi) * tables.width), 0,
+                     tables.width - 1);
+      const int y =
+          std::clamp(static_cast<int>((0.5 - latitude / std::numbers::pi) * tables.height), 0, tables.height - 1);
       counted[static_cast<std::size_t>(y * tables.width + x)] += 1.0;
     }
     // Directions are floats: at a cell's edge one may fall into the neighbour.

@@ -6,6 +6,7 @@
 
 #include "render/technique/registry.h"
 #include "scenes/error.h"
+#include "tests/support/text.h"
 
 namespace maquette {
 namespace {
@@ -22,7 +23,7 @@ std::string message_of(const Call& call) {
   return {};
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
 TEST(Settings, DeclarationsAreValid) {
   std::set<std::string> names;

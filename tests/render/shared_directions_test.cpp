@@ -10,8 +10,6 @@
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Unit directions: random ones, the axes, near-pole and near-seam ones.
 std::vector<glm::vec3> directions() {
   std::vector<glm::vec3> result = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -32,8 +30,8 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
 }
 
 glm::dvec3 exact_direction(double u, double v) {
-  const double lon = kPi - 2 * kPi * u;
-  const double lat = kPi / 2 - kPi * v;
+  const double lon = std::numbers::pi - 2 * std::numbers::pi * u;
+  const double lat = std::numbers::pi / 2 - std::numbers::pi * v;
   return {std::sin(lon) * std::cos(lat), std::sin(lat), std::cos(lon) * std::cos(lat)};
 }
 

@@ -17,13 +17,12 @@
 #include "scenes/ground.h"
 #include "scenes/srgb.h"
 #include "tests/scenes/temporary_folder.h"
+#include "tests/support/never.h"
 #include "tests/support/small_btf.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
-
-const std::atomic<bool> kNever{false};
 
 /// A plate below a block; the block casts shadows on it.
 Scene plate_and_block() {
@@ -80,7 +79,7 @@ std::string message(const std::function<void()>& work) {
   return "no error";
 }
 
-class TransferBakeTest : public maquette::testing::TemporaryFolder {};
+class TransferBakeTest : public maquette::test::TemporaryFolder {};
 
 TEST_F(TransferBakeTest, IsTheSameForAnyThreadsRanksAndInterruptions) {
   const Scene scene = plate_and_block();

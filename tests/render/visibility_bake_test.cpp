@@ -16,13 +16,12 @@
 #include "render/visibility/visibility_points.h"
 #include "render/visibility/visibility_sides.h"
 #include "tests/support/flat_scenes.h"
+#include "tests/support/never.h"
 
 namespace maquette {
 namespace {
 
 using namespace test;
-
-const std::atomic<bool> kRun{false};
 
 bool is_open(const VisibilityBake& bake, std::size_t vertex, int bit) {
   return ((bake.vertices[vertex][static_cast<std::size_t>(bit >> 5)] >> (bit & 31)) & 1u) != 0;
@@ -31,7 +30,7 @@ bool is_open(const VisibilityBake& bake, std::size_t vertex, int bit) {
 glm::vec3 cell_direction(int bit) { return shared::visibility_cell_direction(glm::ivec2(bit & 15, bit >> 4)); }
 
 VisibilityBake bake_opaque(const FlatGeometry& g) {
-  auto bake = bake_visibility(g, std::vector<bool>(g.items.size(), false), {}, kRun);
+  auto bake = bake_visibility(g, std::vector<bool>(g.items.size(), false), {}, kNever);
   EXPECT_TRUE(bake.has_value());
   return bake.value_or(VisibilityBake{});
 }
@@ -126,7 +125,7 @@ TEST(VisibilityBake, AgreesWithBruteForceInRandomScenes) {
     FlatGeometry g;
     for (int i = 0; i < 30; ++i) add_grid(&g, point(), 0.7f * point(), 0.7f * point());
     const VisibilityBake bake = bake_opaque(g);
-    const VisibilityPoints points = build_visibility_points(g, std::vector<bool>(g.items.size(), false), kRun);
+    const VisibilityPoints points = build_visibility_points(g, std::vector<bool>(g.items.size(), false), kNever);
     for (std::size_t v = 0; v < g.positions.size(); ++v) {
       const VisibilityPoint& at = points.points[points.point_of_vertex[v]];
       for (int b = 0; b < 256; ++b) {
@@ -291,7 +290,7 @@ TEST(VisibilityBake, PanesDimWhatIsBehindThem) {
   add_grid(&g, {-0.1f, 0.0f, -0.1f}, {0.0f, 0.0f, 0.2f}, {0.2f, 0.0f, 0.0f}, 2);
   add_grid(&g, {-9.0f, 0.1f, -8.0f}, {0.0f, 0.0f, 18.0f}, {18.0f, 0.0f, 0.0f});
   const auto mean = [&](const Passage& passage) {
-    const auto bake = bake_visibility(g, {false, true}, {Passage{}, passage}, kRun);
+    const auto bake = bake_visibility(g, {false, true}, {Passage{}, passage}, kNever);
     EXPECT_EQ(bake->transmittance[4].y, 1.0f);  // no pane below
     EXPECT_EQ(open_share(*bake, 4, {0.0f, 1.0f, 0.0f}), 1.0);
     return static_cast<double>(bake->transmittance[4].x);
@@ -317,8 +316,8 @@ TEST(VisibilityBake, PanesNeitherOccludeNorMatter) {
   FlatGeometry g;
   add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 2);
   add_grid(&g, {-9.0f, 0.1f, -9.0f}, {0.0f, 0.0f, 18.0f}, {18.0f, 0.0f, 0.0f});
-  const auto through = bake_visibility(g, {false, true}, {}, kRun);
-  const auto blocked = bake_visibility(g, {false, false}, {}, kRun);
+  const auto through = bake_visibility(g, {false, true}, {}, kNever);
+  const auto blocked = bake_visibility(g, {false, false}, {}, kNever);
   ASSERT_TRUE(through && blocked);
   EXPECT_EQ(open_share(*through, 4, {0.0f, 1.0f, 0.0f}), 1.0);
   EXPECT_LT(open_share(*blocked, 4, {0.0f, 1.0f, 0.0f}), 0.02);

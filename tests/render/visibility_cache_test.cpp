@@ -15,13 +15,12 @@
 #include "render/visibility/visibility_points.h"
 #include "render/visibility/visibility_sides.h"
 #include "tests/support/flat_scenes.h"
+#include "tests/support/never.h"
 
 namespace maquette {
 namespace {
 
 using namespace test;
-
-const std::atomic<bool> kRun{false};
 
 class VisibilityCache : public ::testing::Test {
  protected:
@@ -51,7 +50,7 @@ TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
   const auto load = [&](int* calls) {
     VisibilityKind kind;
     const VisibilityJob job{g, transmits, passages};
-    const auto made = make_bake(kind, job, {kRun, [calls](double) { ++*calls; }, {}});
+    const auto made = make_bake(kind, job, {kNever, [calls](double) { ++*calls; }, {}});
     return made.value ? made.value->bake : nullptr;
   };
   int baked = 0;
@@ -104,7 +103,7 @@ TEST(VisibilityBandwidth, FollowsTheChangePerMetre) {
     const float length = 0.8f;
     add_grid(&g, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, length}, {length, 0.0f, 0.0f}, n);
     const std::vector<bool> opaque(1, false);
-    const VisibilityPoints points = build_visibility_points(g, opaque, kRun);
+    const VisibilityPoints points = build_visibility_points(g, opaque, kNever);
     std::vector<VisibilityBits> bits(points.points.size());
     for (std::size_t v = 0; v < g.positions.size(); ++v) {
       for (int b = 0; b < 256; ++b) {
@@ -126,7 +125,7 @@ TEST(VisibilityBandwidth, StaysFiniteAcrossTinyEdges) {
   FlatGeometry g;
   add_grid(&g, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f}, 4);
   add_grid(&g, {0.5f, 0.0f, 0.5f}, {0.0f, 0.0f, 1e-7f}, {1e-7f, 0.0f, 0.0f});
-  const VisibilityPoints points = build_visibility_points(g, {false, false}, kRun);
+  const VisibilityPoints points = build_visibility_points(g, {false, false}, kNever);
   std::vector<VisibilityBits> bits(points.points.size());
   for (std::size_t i = 0; i < bits.size(); i += 2) bits[i].fill(0xffffffffu);
   const double bound = 0.25 * std::numbers::pi * 16384.0 / points.scale_m;

@@ -13,8 +13,6 @@
 namespace maquette {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 TEST(WaveletBandwidth, TransformKeepsEnergyAndKillsRamps) {
   std::mt19937 random(3);
   std::normal_distribution<float> normal;
@@ -36,8 +34,8 @@ TEST(WaveletBandwidth, LevelEnergiesFollowTheResponseEverywhere) {
   LevelEnergies energies(1024, 7);
   for (const double cycles : {5.0, 16.0, 37.0, 64.0, 90.0, 128.0, 200.0}) {
     for (std::size_t i = 0; i < 1024; ++i)
-      energies.signal()[i] =
-          static_cast<float>(std::sqrt(2.0) * std::cos(2.0 * kPi * cycles * static_cast<double>(i) / 1024.0 + 0.4));
+      energies.signal()[i] = static_cast<float>(
+          std::sqrt(2.0) * std::cos(2.0 * std::numbers::pi * cycles * static_cast<double>(i) / 1024.0 + 0.4));
     energies.transform();
     const std::vector<double> expected = d4_response(cycles / 1024.0, 7);
     for (std::size_t begin = 0; begin < 1024; begin += 4)

@@ -9,14 +9,15 @@
 #include "scenes/error.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/random_reviews.h"
+#include "tests/support/text.h"
 
 namespace maquette {
 namespace {
 
 using Json = nlohmann::json;
-using PathFile = testing::TemporaryFolder;
+using PathFile = test::TemporaryFolder;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
 CameraView looking(const glm::vec3& eye, const glm::vec3& direction) {
   CameraView view;
@@ -226,7 +227,7 @@ TEST_F(PathFile, ComesBackAsItWas) {
 TEST_F(PathFile, BadOnesAreRefused) {
   const auto problem = [&](const CameraPath& bad) {
     save_path(path("a.path.json"), bad);
-    return testing::message_of<Error>([&] { load_path(path("a.path.json")); });
+    return test::message_of<Error>([&] { load_path(path("a.path.json")); });
   };
   EXPECT_TRUE(contains(problem(path_of({key_at({0, 0, 0})})), "one key only; a move needs two"));
   EXPECT_TRUE(contains(problem(path_of({})), "no key"));
@@ -238,12 +239,12 @@ TEST_F(PathFile, BadOnesAreRefused) {
   Json json = Json::parse(read(path("a.path.json")));
   json["path"]["keys"][1]["eas"] = "in";
   write("a.path.json", json.dump());
-  EXPECT_TRUE(contains(testing::message_of<Error>([&] { load_path(path("a.path.json")); }), "did you mean ease?"));
+  EXPECT_TRUE(contains(test::message_of<Error>([&] { load_path(path("a.path.json")); }), "did you mean ease?"));
   json["maquette_path"] = 2;
   write("a.path.json", json.dump());
-  EXPECT_TRUE(contains(testing::message_of<Error>([&] { load_path(path("a.path.json")); }), "newer version"));
+  EXPECT_TRUE(contains(test::message_of<Error>([&] { load_path(path("a.path.json")); }), "newer version"));
   write("a.path.json", "[");
-  EXPECT_TRUE(contains(testing::message_of<Error>([&] { load_path(path("a.path.json")); }), "it is no JSON"));
+  EXPECT_TRUE(contains(test::message_of<Error>([&] { load_path(path("a.path.json")); }), "it is no JSON"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "scenes/error.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/random_reviews.h"
+#include "tests/support/text.h"
 
 namespace maquette {
 namespace {
@@ -21,12 +22,12 @@ std::string same(const std::string& source) { return source; }
 
 template <typename Call>
 std::string error_of(const Call& call) {
-  return testing::message_of<Error>(call);
+  return test::message_of<Error>(call);
 }
 
-using ReviewFile = testing::TemporaryFolder;
+using ReviewFile = test::TemporaryFolder;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
 TEST(LookJson, EveryValueComesBackAsItWas) {
   test::RandomReviews random(1);

@@ -12,13 +12,14 @@
 #include "scenes/error.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/random_reviews.h"
+#include "tests/support/text.h"
 
 namespace maquette {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
-class OpenReviews : public testing::TemporaryFolder {
+class OpenReviews : public test::TemporaryFolder {
  protected:
   void SetUp() override {
     TemporaryFolder::SetUp();
@@ -86,7 +87,7 @@ TEST_F(OpenReviews, ASecondWindowOnlyReads) {
   EXPECT_TRUE(second.read_only());
   EXPECT_TRUE(contains(notes_of(&second), "is open in another window"));
   expose(&second, 5.0f);
-  EXPECT_TRUE(contains(testing::message_of<Error>([&] { second.save(file_); }), "another window has it open"));
+  EXPECT_TRUE(contains(test::message_of<Error>([&] { second.save(file_); }), "another window has it open"));
   expose(&first, 2.0f);
   first.save(file_);
   EXPECT_EQ(load_review(file_).look.exposure_ev, 2.0f);
@@ -233,8 +234,8 @@ TEST_F(OpenReviews, AFolderThatCannotBeWritten) {
 
 TEST_F(OpenReviews, SavingElsewhereNeedsAFolder) {
   OpenReview open{Review()};
-  EXPECT_TRUE(contains(testing::message_of<Error>([&] { open.save(path("none/a.maquette.json")); }),
-                       "its folder does not exist"));
+  EXPECT_TRUE(
+      contains(test::message_of<Error>([&] { open.save(path("none/a.maquette.json")); }), "its folder does not exist"));
   EXPECT_EQ(open.file(), "");
 }
 

@@ -9,6 +9,7 @@
 #include "review/open_review.h"
 #include "scenes/error.h"
 #include "tests/scenes/temporary_folder.h"
+#include "tests/support/text.h"
 
 namespace maquette {
 namespace {
@@ -17,9 +18,9 @@ using Json = nlohmann::json;
 
 constexpr const char *kOne = "00000000000000a1", *kTwo = "00000000000000b2", *kThree = "00000000000000c3";
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
-class ReviewBakes : public testing::TemporaryFolder {
+class ReviewBakes : public test::TemporaryFolder {
  protected:
   void SetUp() override {
     TemporaryFolder::SetUp();
@@ -42,7 +43,7 @@ class ReviewBakes : public testing::TemporaryFolder {
   std::string problem(const Json& bakes) {
     Json json = Json::parse(review_text(review_, file_));
     json["bakes"] = bakes;
-    return testing::message_of<Error>([&] { parse_review(json.dump(), file_); });
+    return test::message_of<Error>([&] { parse_review(json.dump(), file_); });
   }
 
   Review review_;

@@ -24,7 +24,7 @@ BakeFile sample_file() {
   return file;
 }
 
-using BakeFileTest = testing::TemporaryFolder;
+using BakeFileTest = test::TemporaryFolder;
 
 TEST_F(BakeFileTest, RoundTrips) {
   const std::string file_path = path("bake.exr");

@@ -16,7 +16,7 @@
 namespace {
 
 using namespace maquette;
-using maquette::testing::TemporaryFolder;
+using maquette::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 constexpr int kWidth = 4, kHeight = 3;

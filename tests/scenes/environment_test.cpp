@@ -16,14 +16,14 @@
 namespace maquette {
 namespace {
 
-using testing::message_of;
-using EnvironmentFile = testing::TemporaryFolder;
-constexpr double kPi = std::numbers::pi;
+using test::message_of;
+using EnvironmentFile = test::TemporaryFolder;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 double row_solid_angle(const Environment& e, int y) {
-  return 2.0 * kPi / e.width * (std::cos(kPi * y / e.height) - std::cos(kPi * (y + 1) / e.height));
+  return 2.0 * std::numbers::pi / e.width *
+         (std::cos(std::numbers::pi * y / e.height) - std::cos(std::numbers::pi * (y + 1) / e.height));
 }
 
 bool is_sound(const Environment& e) {
@@ -148,7 +148,7 @@ TEST(BuiltinEnvironment, ClearSkyHasPhysicalLight) {
         sun_lx += flux;
       } else {
         sky_lx += flux * up;
-        sky_mean += flux / (2.0 * kPi);
+        sky_mean += flux / (2.0 * std::numbers::pi);
       }
     }
   }
@@ -163,7 +163,7 @@ TEST(BuiltinEnvironment, ClearSkyHasPhysicalLight) {
   const glm::dvec3 zenith = evaluate_environment(e, {0, 1, 0});
   EXPECT_GT(zenith.z, 1.3 * zenith.x);
   const double ground = luminance(evaluate_environment(e, {0, -1, 0}));
-  EXPECT_NEAR(ground * kPi / (sky_lx + sun_lx * std::sin(radians(40.0))), 0.155, 0.02);
+  EXPECT_NEAR(ground * std::numbers::pi / (sky_lx + sun_lx * std::sin(radians(40.0))), 0.155, 0.02);
 }
 
 TEST(BuiltinEnvironment, StudioIsDarkWithBrightBoxes) {

@@ -25,7 +25,7 @@
 namespace maquette {
 namespace {
 
-using testing::message_of;
+using test::message_of;
 using Texel = std::function<float(int x, int y)>;
 
 struct TestChannel {
@@ -55,7 +55,7 @@ std::vector<TestChannel> rgb_of(const glm::vec3& rgb, const std::string& prefix 
   return {{prefix + "R", constant(rgb.x)}, {prefix + "G", constant(rgb.y)}, {prefix + "B", constant(rgb.z)}};
 }
 
-class ImageExr : public testing::TemporaryFolder {
+class ImageExr : public test::TemporaryFolder {
  protected:
   /// Writes float parts; the values are functions of absolute pixel coordinates.
   std::string write_parts(const std::vector<TestPart>& parts) const {

@@ -23,8 +23,8 @@
 namespace maquette {
 namespace {
 
-using testing::message_of;
-using ImageIo = testing::TemporaryFolder;
+using test::message_of;
+using ImageIo = test::TemporaryFolder;
 
 Image random_image(int width, int height, int channels) {
   Image image(width, height, channels);

@@ -12,9 +12,9 @@
 namespace maquette {
 namespace {
 
-using testing::message_of;
+using test::message_of;
 
-class ImageRadiance : public testing::TemporaryFolder {
+class ImageRadiance : public test::TemporaryFolder {
  protected:
   /// One texel (1, 0.5, 0.25) under the given header lines.
   glm::vec3 texel_under(const std::string& lines) {

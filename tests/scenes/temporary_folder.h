@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-namespace maquette::testing {
+namespace maquette::test {
 
 /// A separate folder for each test, removed after it.
-class TemporaryFolder : public ::testing::Test {
+class TemporaryFolder : public testing::Test {
  protected:
   void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
     folder_ = std::filesystem::temp_directory_path() / ("maquette_" + std::string(info->test_suite_name()) + "_" +
                                                         info->name() + "_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
@@ -55,4 +55,4 @@ std::string message_of(const Call& call) {
   return {};
 }
 
-}  // namespace maquette::testing
+}  // namespace maquette::test

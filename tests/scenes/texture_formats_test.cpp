@@ -13,10 +13,10 @@ namespace maquette {
 namespace {
 
 using test::jpeg_bytes;
+using test::message_of;
 using test::Pixels;
 using test::png_bytes;
 using test::png_chunk;
-using testing::message_of;
 
 std::span<const std::byte> as_bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
 

@@ -14,7 +14,6 @@
 namespace maquette::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kBrightOverMean = 50.0;
 constexpr std::size_t kMaxBrightTexels = 256;
 constexpr int kMaxPoints = 1600;
@@ -24,7 +23,7 @@ constexpr int kMaxPointsASide = 24;
 double mean_sky_luminance(const Environment& e) {
   double sum = 0.0, weights = 0.0;
   for (int y = 0; y < e.height; ++y) {
-    const double weight = std::sin(kPi * (y + 0.5) / e.height);
+    const double weight = std::sin(std::numbers::pi * (y + 0.5) / e.height);
     for (int x = 0; x < e.width; ++x) {
       sum += weight * luminance(glm::dvec3(e.rgb[static_cast<std::size_t>(y * e.width + x)]));
       weights += weight;

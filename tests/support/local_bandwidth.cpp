@@ -13,8 +13,6 @@
 namespace maquette::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Energy over
 ///
 /// frequency
@@ -26,7 +24,8 @@ class LineSpectrum {
  public:
   explicit LineSpectrum(int side) : side_(side), bins_(2 * side + 1) {
     cosines_.resize(static_cast<std::size_t>(4 * side));
-    for (int i = 0; i < 4 * side; ++i) cosines_[static_cast<std::size_t>(i)] = std::cos(2.0 * kPi * i / (4.0 * side));
+    for (int i = 0; i < 4 * side; ++i)
+      cosines_[static_cast<std::size_t>(i)] = std::cos(2.0 * std::numbers::pi * i / (4.0 * side));
   }
   /// Adds to the correlation of a window's lines, [side].
   void add(const double* a, const double* b, int step, std::vector<double>* correlation) const {
@@ -74,7 +73,8 @@ class LineSpectrum {
 
 std::vector<double> hann(int side) {
   std::vector<double> w(static_cast<std::size_t>(side));
-  for (int i = 0; i < side; ++i) w[static_cast<std::size_t>(i)] = 0.5 - 0.5 * std::cos(2.0 * kPi * (i + 0.5) / side);
+  for (int i = 0; i < side; ++i)
+    w[static_cast<std::size_t>(i)] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * (i + 0.5) / side);
   return w;
 }
 
@@ -87,9 +87,9 @@ class WindowUndoer {
     if (undo_ == UndoWindow::none) return;
     const double frequency = undo_ == UndoWindow::wave ? 0.25 : 0.0;
     std::vector<double> correlation(w.size(), 0.0), line(w.size());
-    for (const double phase : {0.0, 0.5 * kPi}) {
+    for (const double phase : {0.0, 0.5 * std::numbers::pi}) {
       for (std::size_t i = 0; i < w.size(); ++i)
-        line[i] = w[i] * std::cos(2.0 * kPi * frequency * static_cast<double>(i) + phase);
+        line[i] = w[i] * std::cos(2.0 * std::numbers::pi * frequency * static_cast<double>(i) + phase);
       spectrum.add(line.data(), line.data(), 1, &correlation);
     }
     own_ = spectrum.bandwidth(correlation, options.energy) - frequency;
@@ -160,12 +160,13 @@ double measured_floor(const LocalBandwidthOptions& options) {
   const double longest = options.undo_window == UndoWindow::wave ? 3.0 / n : 0.5 / n;
   double floor = 0.0;
   for (double frequency = step; frequency < longest; frequency += step) {
-    for (double phase = 0.0; phase < kPi; phase += kPi / 16.0) {
+    for (double phase = 0.0; phase < std::numbers::pi; phase += std::numbers::pi / 16.0) {
       Image wave(n, n, 4, 1.0f);
       for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x)
           for (int c = 0; c < 3; ++c)
-            wave.at(x, y, c) = static_cast<float>(2.0 + std::cos(2.0 * kPi * frequency * (x - 0.5 * (n - 1)) + phase));
+            wave.at(x, y, c) =
+                static_cast<float>(2.0 + std::cos(2.0 * std::numbers::pi * frequency * (x - 0.5 * (n - 1)) + phase));
       const std::vector<double> line = windowed(wave, 0, 0, w, options);
       std::vector<double> correlation(w.size(), 0.0);
       const auto middle = static_cast<std::size_t>(n / 2 * n);

@@ -49,6 +49,10 @@ inline Primitive quad(const glm::vec3& origin, const glm::vec3& a, const glm::ve
   return p;
 }
 
+inline std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const Environment> sky) {
+  return build_path_scene({.scene = scene, .environment = std::move(sky)});
+}
+
 /// Unit sphere of `rings` by 2 `rings` quads with exact normals.
 inline Primitive fine_sphere(int rings) {
   Primitive p;

@@ -10,7 +10,6 @@ namespace maquette::test {
 namespace {
 
 using Moments = EnvironmentMoments::Moments;
-constexpr double kPi = std::numbers::pi;
 /// Largest width of an initial cell; it is also at most half the distance from the lobe's centre plus kLobeCore.
 constexpr double kLargestCell_rad = 0.16;
 constexpr double kLobeCore_rad = 4e-4;
@@ -176,12 +175,12 @@ class Integrator {
 
   /// Half the diagonal, an upper bound (rad).
   double radius_of(double y, double side) const {
-    const double lat_a = kPi * (0.5 - y / environment_.height());
-    const double lat_b = kPi * (0.5 - (y + side) / environment_.height());
+    const double lat_a = std::numbers::pi * (0.5 - y / environment_.height());
+    const double lat_b = std::numbers::pi * (0.5 - (y + side) / environment_.height());
     const double widest = lat_a * lat_b <= 0.0 ? 1.0 : std::max(std::cos(lat_a), std::cos(lat_b));
     return 0.5 * side *
-           std::hypot(2.0 * kPi / environment_.width() * std::min(1.0, std::abs(widest) + 1e-9),
-                      kPi / environment_.height());
+           std::hypot(2.0 * std::numbers::pi / environment_.width() * std::min(1.0, std::abs(widest) + 1e-9),
+                      std::numbers::pi / environment_.height());
   }
 
   glm::dvec3 centre_of(double x, double y, double side) const {
@@ -196,7 +195,7 @@ class Integrator {
   /// Proportional to the light of a cell.
   double light_of(int level, double x, double y) const {
     const glm::dvec3 mass = environment_.moments(level, x, y)[0];
-    const double latitude = kPi * (0.5 - (y + 0.5 * side_of(level)) / environment_.height());
+    const double latitude = std::numbers::pi * (0.5 - (y + 0.5 * side_of(level)) / environment_.height());
     return (mass.x + mass.y + mass.z) * std::max(std::cos(latitude), 0.0);
   }
 
@@ -228,8 +227,9 @@ class Integrator {
     const double step = 0.25 * side_of(cell.level);
     const double y = cell.y + step * j;
     const glm::dvec3 w = direction_from_latlong(cell.x + step * i, y, environment_.width(), environment_.height());
-    const double area = 2.0 * kPi * kPi / (static_cast<double>(environment_.width()) * environment_.height());
-    return weight_(w) * (std::cos(kPi * (0.5 - y / environment_.height())) * area);
+    const double area =
+        2.0 * std::numbers::pi * std::numbers::pi / (static_cast<double>(environment_.width()) * environment_.height());
+    return weight_(w) * (std::cos(std::numbers::pi * (0.5 - y / environment_.height())) * area);
   }
 
   /// Integral of the biquadratic through the nodes i, i + step, i + 2 step (and j alike) of the 5 x 5 grid.
@@ -316,8 +316,8 @@ DirectQuadrature integrate_environment(const EnvironmentMoments& environment,
   return Integrator(environment, weight, normal, focus).run(options);
 }
 
-DirectQuadrature evaluate_direct(const EnvironmentMoments& environment, const BrdfTable& brdf,
-                                 const SurfacePoint& point, const DirectQuadratureOptions& options) {
+DirectQuadrature evaluate_direct(const EnvironmentMoments& environment, const BrdfTable& brdf, const LitPoint& point,
+                                 const DirectQuadratureOptions& options) {
   // Into the frame of the map, without rotation.
   const double c = std::cos(point.env_rotation_rad);
   const double s = std::sin(point.env_rotation_rad);

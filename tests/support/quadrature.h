@@ -62,7 +62,7 @@ DirectQuadrature integrate_environment(const EnvironmentMoments& environment,
                                        const DirectQuadratureOptions& options = {});
 
 /// A surface point lit by the environment alone.
-struct SurfacePoint {
+struct LitPoint {
   glm::dvec3 normal{0.0, 1.0, 0.0};  ///< unit
   glm::dvec3 wo{0.0, 1.0, 0.0};      ///< unit, to the viewer
   /// Environment rotation about +Y, positive from +Z towards +X.
@@ -73,7 +73,7 @@ struct SurfacePoint {
 
 /// Reflected radiance: integral of L f cos. In double, from evaluate_brdf and the environment's own texels; uses no
 /// samples. Costs 10 to 40 ms on one core (50,000 to 100,000 evaluations).
-DirectQuadrature evaluate_direct(const EnvironmentMoments& environment, const BrdfTable& brdf,
-                                 const SurfacePoint& point, const DirectQuadratureOptions& options = {});
+DirectQuadrature evaluate_direct(const EnvironmentMoments& environment, const BrdfTable& brdf, const LitPoint& point,
+                                 const DirectQuadratureOptions& options = {});
 
 }  // namespace maquette::test

@@ -1,7 +1,6 @@
 #include "tests/support/radiosity.h"
 
 #include <embree3/rtcore.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Core>
 #include <array>
@@ -10,10 +9,11 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "scenes/parallel.h"
+
 namespace maquette::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Rays start this far from the surface, as a share of the scene's extent.
 constexpr double kOffset = 2e-6;
 
@@ -49,7 +49,7 @@ glm::dvec3 point_of_triangle(const glm::dvec3* corners, double u, double v) {
 glm::dvec3 cosine_direction(const glm::dvec3& n, double u, double v) {
   const glm::dvec3 any = std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 t = glm::normalize(glm::cross(any, n)), b = glm::cross(n, t);
-  const double r = std::sqrt(u), phi = 2.0 * kPi * v;
+  const double r = std::sqrt(u), phi = 2.0 * std::numbers::pi * v;
   return glm::normalize(t * (r * std::cos(phi)) + b * (r * std::sin(phi)) + n * std::sqrt(std::max(1.0 - u, 0.0)));
 }
 
@@ -235,7 +235,7 @@ struct Radiosity::Impl {
     const auto count = static_cast<Eigen::Index>(elements.size());
     Eigen::MatrixXf factors = Eigen::MatrixXf::Zero(count, count);  // column i: what element i sees
     Eigen::MatrixX3d source(count, 3), albedo(count, 3);
-    tbb::parallel_for(std::size_t{0}, elements.size(), [&](std::size_t i) {
+    parallel_for(std::size_t{0}, elements.size(), [&](std::size_t i) {
       const Element& e = elements[i];
       const auto row = static_cast<Eigen::Index>(i);
       glm::dvec3 arriving(0.0);

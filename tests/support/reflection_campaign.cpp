@@ -1,7 +1,5 @@
 #include "tests/support/reflection_campaign.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
@@ -11,30 +9,24 @@
 #include <sstream>
 
 #include "render/bezier/reflector_patch.h"
+#include "scenes/parallel.h"
+#include "tests/support/campaign_random.h"
 
 namespace maquette {
 
 namespace {
 
+using test::kEnough;
+using test::Random;
+
 using bezier_double::bezier_jet;
 using bezier_double::SurfaceJet;
 using Patch = ReflectorPatch;
 
-constexpr std::size_t kEnough = 4000;  // most characters in the list of failures
-constexpr double kNearest_m = 0.01;    // nearer, a float does not hold the direction to 1e-4 rad
+constexpr double kNearest_m = 0.01;  // nearer, a float does not hold the direction to 1e-4 rad
 constexpr double kGrazing =
     0.003;  // cosine of incidence, 89.83 degrees: beyond, a float's straight line is a reflection
 constexpr double kBorder = 0.999;  // nearer to the border than this, either answer is accepted
-
-struct Random {
-  std::mt19937_64 engine;
-  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine); }
-  double log_uniform(double a, double b) { return std::exp(uniform(std::log(a), std::log(b))); }
-  glm::dvec3 direction() {
-    const double z = uniform(-1.0, 1.0), phi = uniform(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
-    return {r * std::cos(phi), r * std::sin(phi), z};
-  }
-};
 
 /// Converts from powers of x = 2 u - 1 to Bernstein form, the inverse of make_reflector_patch.
 std::array<glm::dvec3, 4> bernstein(const std::array<glm::dvec3, 4>& c) {
@@ -266,7 +258,7 @@ BezierCampaign run_bezier_campaign(std::size_t cases, std::uint64_t seed) {
   BezierCampaign sum;
   sum.steps.assign(50, 0);
   std::mutex guard;
-  tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t batch) {
+  parallel_for(std::size_t{0}, batches, [&](std::size_t batch) {
     Random random{std::mt19937_64(seed * 1000003u + batch)};
     BezierCampaign part;
     part.steps.assign(50, 0);

@@ -1,11 +1,10 @@
 #include "tests/support/sparse_transfer.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "scenes/btf/half_floats.h"
+#include "scenes/parallel.h"
 
 namespace maquette::test {
 
@@ -50,7 +49,7 @@ void SparseTransfer::sums(const KeptLight& light, std::vector<glm::vec4>* out) c
   std::vector<glm::vec3> dense(coefficients_, glm::vec3(0.0f));
   for (std::size_t k = 0; k < light.coefficients.size(); ++k) dense[light.coefficients[k]] = light.values[k];
   out->resize(first_.size() - 1);
-  tbb::parallel_for(std::size_t{0}, out->size(), [&](std::size_t r) {
+  parallel_for(std::size_t{0}, out->size(), [&](std::size_t r) {
     glm::vec3 sum(0.0f);
     for (std::size_t e = first_[r]; e < first_[r + 1]; ++e) sum += float_of_half(value_[e]) * dense[index_[e]];
     (*out)[r] = glm::vec4(sum, 0.0f);

@@ -1,12 +1,11 @@
 #include "tests/support/sphere_quadrature.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 #include "tests/support/quadrature.h"
 
 namespace maquette::test {
@@ -14,7 +13,7 @@ SphereQuadrature integrate_sphere(const Environment& environment, const BrdfTabl
                                   const Image* normals) {
   const EnvironmentMoments moments(environment);
   SphereQuadrature result;
-  std::vector<SurfacePoint> points;
+  std::vector<LitPoint> points;
   const double scale = std::tan(0.5 * view.fov_y_rad);
   for (int y = 0; y < view.side; ++y) {
     for (int x = 0; x < view.side; ++x) {
@@ -23,7 +22,7 @@ SphereQuadrature integrate_sphere(const Environment& environment, const BrdfTabl
       const glm::dvec3 eye(0.0, 0.0, view.distance);
       const double b = glm::dot(eye, ray), root = b * b - view.distance * view.distance + 1.0;
       if (root <= 0.0) continue;
-      SurfacePoint point;
+      LitPoint point;
       point.normal = eye + ray * (-b - std::sqrt(root));
       point.wo = -ray;
       if (normals && normals->at(x, y, 3) >= 1.0f)
@@ -33,7 +32,7 @@ SphereQuadrature integrate_sphere(const Environment& environment, const BrdfTabl
     }
   }
   std::vector<double> errors(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     const DirectQuadrature q = evaluate_direct(moments, brdf, points[i]);
     result.pixels[i].radiance = q.radiance;
     errors[i] = q.relative_error;

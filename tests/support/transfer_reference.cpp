@@ -1,12 +1,11 @@
 #include "tests/support/transfer_reference.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "render/frame/camera.h"
 #include "render/prt/transfer.h"
 #include "render/reference/scattering.h"
+#include "scenes/parallel.h"
 
 namespace maquette::test {
 
@@ -122,7 +121,7 @@ Image trace_transfer_reference(const TransferReference& r, const CameraView& cam
     return Ray{e.origin, e.direction};
   };
   const std::vector<const TransferMesh::Triangle*> triangles = by_source(r);
-  tbb::parallel_for(0, width * height, [&](int i) {
+  parallel_for(0, width * height, [&](int i) {
     const float x = static_cast<float>(i % width) + 0.5f, y = static_cast<float>(i / width) + 0.5f;
     const Ray ray = ray_of(x, y), right = ray_of(x + 1.0f, y), down = ray_of(x, y + 1.0f);
     RayHit hit;

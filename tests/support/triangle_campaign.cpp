@@ -1,7 +1,5 @@
 #include "tests/support/triangle_campaign.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,26 +9,20 @@
 #include <vector>
 
 #include "render/triangle/triangle_mirror.h"
+#include "scenes/parallel.h"
+#include "tests/support/campaign_random.h"
 
 namespace maquette {
 
 namespace {
 
+using test::kEnough;
+using test::Random;
+
 using Long = long double;
 using Vec = glm::vec<3, Long, glm::defaultp>;
 
 constexpr Long kSimple = 1e3L;
-constexpr std::size_t kEnough = 4000;  // most characters in the list of failures
-
-struct Random {
-  std::mt19937_64 engine;
-  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine); }
-  double log_uniform(double a, double b) { return std::exp(uniform(std::log(a), std::log(b))); }
-  glm::dvec3 direction() {
-    const double z = uniform(-1.0, 1.0), phi = uniform(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
-    return {r * std::cos(phi), r * std::sin(phi), z};
-  }
-};
 
 struct Case {
   glm::vec3 vertices[3], directions[3], object;
@@ -206,7 +198,7 @@ TriangleCampaign run_triangle_campaign(std::size_t cases, std::uint64_t seed) {
   const std::size_t batches = (cases + kBatch - 1) / kBatch;
   TriangleCampaign sum;
   std::mutex guard;
-  tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t batch) {
+  parallel_for(std::size_t{0}, batches, [&](std::size_t batch) {
     Random random{std::mt19937_64(seed * 1000003u + batch)};
     TriangleCampaign part;
     for (std::size_t i = batch * kBatch; i < std::min(cases, (batch + 1) * kBatch); ++i)

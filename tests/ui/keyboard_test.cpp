@@ -45,7 +45,7 @@ std::set<std::string> walk(HeadlessEditor* editor) {
   return reached;
 }
 
-struct Prepared {
+struct KeyboardState {
   Scene scene = load_scene("builtin:cockpit");
   FrameStats stats;
   std::vector<std::string> cameras = {"driver", "passenger"};
@@ -77,7 +77,7 @@ struct Prepared {
 };
 
 TEST(Keyboard, EveryTabTakesIt) {
-  Prepared prepared;
+  KeyboardState prepared;
   HeadlessEditor editor(1280.0f, 720.0f);
   prepared.fill(&editor);
   editor.step(3);
@@ -102,7 +102,7 @@ TEST(Keyboard, EveryTabTakesIt) {
 TEST(Keyboard, EveryControlIsReached) {
   // These only show something.
   const std::set<std::string> kShown = {"sun", "frame/history", "inspection/legend", "inspection/plot"};
-  Prepared prepared;
+  KeyboardState prepared;
   for (int panel = 0; panel < static_cast<int>(std::size(kPanelNames)); ++panel) {
     HeadlessEditor editor(1280.0f, 720.0f);
     prepared.fill(&editor);
@@ -123,7 +123,7 @@ TEST(Keyboard, EveryControlIsReached) {
 }
 
 TEST(Keyboard, SpaceAndArrowsChangeAValue) {
-  Prepared prepared;
+  KeyboardState prepared;
   HeadlessEditor editor(1280.0f, 720.0f);
   prepared.fill(&editor);
   open_panel(&editor.state, 4);
@@ -158,7 +158,7 @@ void go_to(HeadlessEditor* editor, int panel, const std::string& name) {
 
 TEST(Keyboard, EnterPressesAsSpaceDoes) {
   for (const ImGuiKey key : {ImGuiKey_Space, ImGuiKey_Enter}) {
-    Prepared prepared;
+    KeyboardState prepared;
     HeadlessEditor editor(1280.0f, 720.0f);
     prepared.fill(&editor);
     editor.step(3);
@@ -193,7 +193,7 @@ TEST(Keyboard, EnterPressesAsSpaceDoes) {
 }
 
 TEST(Keyboard, DialogsStayOpenUntilTheyAreLeft) {
-  Prepared prepared;
+  KeyboardState prepared;
   HeadlessEditor editor(1280.0f, 720.0f);
   prepared.fill(&editor);
   editor.state.start_popup = true;  // in the very first frame, as in a window without a file
@@ -212,7 +212,7 @@ TEST(Keyboard, DialogsStayOpenUntilTheyAreLeft) {
 }
 
 TEST(Keyboard, EnterPressesInDialogs) {
-  Prepared prepared;
+  KeyboardState prepared;
   HeadlessEditor editor(1280.0f, 720.0f);
   prepared.fill(&editor);
   editor.step(3);
@@ -243,7 +243,7 @@ TEST(Keyboard, EnterPressesInDialogs) {
 
 TEST(Keyboard, ADialogsFieldHasItAtOnce) {
   for (bool EditorState::*dialog : {&EditorState::open_path_popup, &EditorState::save_path_popup}) {
-    Prepared prepared;
+    KeyboardState prepared;
     HeadlessEditor editor(1280.0f, 720.0f);
     prepared.fill(&editor);
     editor.step(3);
@@ -258,7 +258,7 @@ TEST(Keyboard, ADialogsFieldHasItAtOnce) {
 }
 
 TEST(Keyboard, EnterTypesANumber) {
-  Prepared prepared;
+  KeyboardState prepared;
   HeadlessEditor editor(1280.0f, 720.0f);
   prepared.fill(&editor);
   editor.step(3);
@@ -280,7 +280,7 @@ TEST(Keyboard, EnterTypesANumber) {
 }
 
 TEST(Keyboard, TheMenuHoldsEveryCommand) {
-  Prepared prepared;
+  KeyboardState prepared;
   HeadlessEditor editor(1280.0f, 720.0f);
   prepared.fill(&editor);
   editor.step(3);

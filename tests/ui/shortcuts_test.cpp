@@ -1,7 +1,6 @@
 // One declaration of the keys: the window's, the panel's and the manual's.
 #include "ui/shortcuts.h"
 
-#define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "scenes/error.h"
+#include "tests/support/text.h"
 #include "viewer/manual.h"
 
 namespace maquette {
@@ -25,7 +26,7 @@ std::string usage_error(const Words& words) {
   return {};
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
 TEST(CommandLine, NothingIsTheCockpitInAWindow) {
   const CommandLine line = parse({});

@@ -8,6 +8,7 @@
 
 #include "review/review.h"
 #include "scenes/image_io.h"
+#include "tests/support/text.h"
 #include "tests/viewer/run_program.h"
 #include "viewer/session.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
 class Play : public testing::Test {
  protected:

@@ -6,6 +6,7 @@
 
 #include "scenes/image_io.h"
 #include "test_paths.h"
+#include "tests/support/text.h"
 #include "tests/viewer/run_program.h"
 
 namespace maquette {
@@ -14,7 +15,7 @@ namespace {
 using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
 /// Runs and expects a failure with one line on standard error that contains `part`.
 void expect_failure(const Words& words, int code, const std::string& part,

@@ -5,6 +5,7 @@
 
 #include "review/review.h"
 #include "tests/support/test_scenes.h"
+#include "tests/support/text.h"
 #include "tests/viewer/run_program.h"
 #include "viewer/session.h"
 
@@ -13,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+using test::contains;
 
 class ReviewBakesCommand : public testing::Test {
  protected:

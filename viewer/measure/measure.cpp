@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/luminance.h"
+#include "scenes/parallel.h"
 #include "scenes/suggest.h"
 #include "viewer/measure/measure_run.h"
 #include "viewer/measure/scene_edits.h"
@@ -61,8 +61,7 @@ EyeRays eye_rays(const CameraView& camera, int width, int height, const Bounds& 
 
 std::vector<Sight> look_at_all(const PathScene& scene, const EyeRays& rays, const glm::dvec3& up) {
   std::vector<Sight> sights(rays.origins.size());
-  tbb::parallel_for(std::size_t{0}, sights.size(),
-                    [&](std::size_t i) { sights[i] = look_along(scene, rays.at(i), up); });
+  parallel_for(std::size_t{0}, sights.size(), [&](std::size_t i) { sights[i] = look_along(scene, rays.at(i), up); });
   return sights;
 }
 

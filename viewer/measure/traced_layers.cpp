@@ -1,9 +1,8 @@
 #include "viewer/measure/traced_layers.h"
 
-#include <tbb/parallel_for.h>
-
 #include "render/math/shared_formulas.h"
 #include "render/reference/surface.h"
+#include "scenes/parallel.h"
 
 namespace maquette {
 
@@ -62,7 +61,7 @@ LayerPictures trace_layers(const PathScene& scene, const PathOptions& options, c
                            const std::optional<GhostSheet>& ghost) {
   LayerPictures out{Image(size.x, size.y, 3), Image(size.x, size.y, 3), std::nullopt};
   if (ghost) out.ghost.emplace(size.x, size.y, 3);
-  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t k) {
+  parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t k) {
     const std::size_t pixel = pixels[k];
     const Ray ray = rays.at(pixel);
     const bool cut = ray.far < Ray().far;

@@ -20,7 +20,7 @@ namespace {
 
 using namespace maquette;
 
-namespace analytic {
+namespace sampled {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 using namespace glm;
@@ -31,7 +31,7 @@ using namespace glm;
 #include "shared/analytic.glsl"
 // clang-format on
 #pragma GCC diagnostic pop
-}  // namespace analytic
+}  // namespace sampled
 
 /// See brdf_chi_square_test.cpp.
 constexpr double kLeastP = 1e-7;
@@ -49,16 +49,16 @@ struct HalfBins {
 
 struct AnalyticCase {
   std::string name;
-  analytic::AnalyticMaterial material;
+  sampled::AnalyticMaterial material;
 };
 
 std::vector<AnalyticCase> analytic_cases() {
   const auto make = [](float metallic, float roughness, float coat, float coat_roughness, float sheen) {
-    return analytic::make_analytic(glm::vec3(0.6f, 0.3f, 0.1f), metallic, roughness, 1.5f, 1.0f, glm::vec3(1.0f), coat,
-                                   coat_roughness, glm::vec3(sheen), 0.4f);
+    return sampled::make_analytic(glm::vec3(0.6f, 0.3f, 0.1f), metallic, roughness, 1.5f, 1.0f, glm::vec3(1.0f), coat,
+                                  coat_roughness, glm::vec3(sheen), 0.4f);
   };
-  analytic::AnalyticMaterial brushed = analytic::with_anisotropy(make(1.0f, 0.2f, 0.0f, 0.0f, 0.0f), 0.8f);
-  analytic::AnalyticMaterial tilted_coat = make(0.0f, 0.6f, 1.0f, 0.2f, 0.0f);
+  sampled::AnalyticMaterial brushed = sampled::with_anisotropy(make(1.0f, 0.2f, 0.0f, 0.0f, 0.0f), 0.8f);
+  sampled::AnalyticMaterial tilted_coat = make(0.0f, 0.6f, 1.0f, 0.2f, 0.0f);
   tilted_coat.coat_normal = glm::normalize(glm::vec3(0.2f, -0.1f, 1.0f));
   return {{"brushed metal", brushed},
           {"coat with a normal of its own", tilted_coat},
@@ -77,11 +77,11 @@ glm::dvec3 light_of(const glm::dvec3& wo, double tangent, double phi) {
   return 2.0 * glm::dot(wo, h) * h - wo;
 }
 
-test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta, std::uint32_t seed,
+test::ChiSquare test_analytic(const sampled::AnalyticMaterial& m, double theta, std::uint32_t seed,
                               std::size_t samples) {
   const glm::vec3 view(static_cast<float>(std::sin(theta)), 0.0f, static_cast<float>(std::cos(theta)));
   const glm::dvec3 wo(view);
-  const glm::vec3 weights = analytic::analytic_lobe_weights(m, view);
+  const glm::vec3 weights = sampled::analytic_lobe_weights(m, view);
   constexpr int kInner = HalfBins::kInner;
   std::vector<double> expected(HalfBins::kTangents * HalfBins::kAzimuths + 1, 0.0), counted(expected.size(), 0.0);
   constexpr int kFineT = HalfBins::kTangents * kInner, kFineP = HalfBins::kAzimuths * kInner;
@@ -96,7 +96,7 @@ test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta,
       const double solid_angle =
           tangent * std::sqrt(c2) * tangent * c2 * step * 2.0 * std::numbers::pi / kFineP;  // sin dtheta dphi
       expected[HalfBins::index(u, phi)] += static_cast<double>(samples) * solid_angle * 4.0 * projection *
-                                           static_cast<double>(analytic::analytic_pdf(m, weights, glm::vec3(wi), view));
+                                           static_cast<double>(sampled::analytic_pdf(m, weights, glm::vec3(wi), view));
     }
   }
   double inside = 0.0;
@@ -107,7 +107,7 @@ test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta,
   for (std::size_t s = 0; s < samples; ++s) {
     const float u1 = unit(random), u2 = unit(random);
     const LobeChoice chosen = choose_lobe(weights, u1);
-    const glm::dvec3 wi(analytic::sample_analytic(m, chosen.lobe, view, chosen.within, u2));
+    const glm::dvec3 wi(sampled::sample_analytic(m, chosen.lobe, view, chosen.within, u2));
     const glm::dvec3 sum = wi + wo;
     if (!(wi.z > 0.0)) {
       counted.back() += 1.0;
@@ -181,7 +181,7 @@ TEST(AnalyticLobes, CountsFollowTheShares) {
     const float sum = weights.x + weights.y + weights.z;
     weights = sum > 0.0f ? weights / sum : glm::vec3(1.0f, 0.0f, 0.0f);
     const int n = 8 + static_cast<int>(unit(random) * 250.0f);
-    const glm::ivec3 counts = analytic::lobe_counts(weights, n);
+    const glm::ivec3 counts = sampled::lobe_counts(weights, n);
     ASSERT_EQ(counts.x + counts.y + counts.z, n);
     for (int k = 0; k < 3; ++k) {
       ASSERT_EQ(counts[k] > 0, weights[k] > 0.0f) << k;

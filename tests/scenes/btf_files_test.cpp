@@ -19,7 +19,7 @@ using namespace maquette;
 using maquette::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
-constexpr int kWidth = 4, kHeight = 3;
+constexpr int kFileWidth = 4, kFileHeight = 3;
 
 /// rho of a made BTF: rank 2 over lights, differs by view and texel.
 float made_rho(const glm::dvec3& light, const glm::dvec3& view, int texel, int channel) {
@@ -48,8 +48,8 @@ class BtfFolder : public TemporaryFolder {
     const Rings rings;
     for (std::size_t v = 0; v < rings.angles_deg.size(); ++v)
       for (std::size_t l = 0; l < rings.angles_deg.size(); ++l) {
-        Image image(kWidth, kHeight, 3);
-        for (int t = 0; t < kWidth * kHeight; ++t)
+        Image image(kFileWidth, kFileHeight, 3);
+        for (int t = 0; t < kFileWidth * kFileHeight; ++t)
           for (int c = 0; c < 3; ++c)
             image.data[static_cast<std::size_t>(3 * t + c)] =
                 stored(made_rho(rings.direction(l), rings.direction(v), t, c), rings.direction(l));
@@ -82,14 +82,14 @@ class BtfFolder : public TemporaryFolder {
 
 void expect_made(const Btf& btf, double tolerance) {
   const Rings rings;
-  ASSERT_EQ(btf.width, kWidth);
-  ASSERT_EQ(btf.height, kHeight);
+  ASSERT_EQ(btf.width, kFileWidth);
+  ASSERT_EQ(btf.height, kFileHeight);
   ASSERT_EQ(btf.views.size(), rings.angles_deg.size());
   for (std::size_t v = 0; v < rings.angles_deg.size(); ++v)
     for (std::size_t l = 0; l < rings.angles_deg.size(); ++l)
-      for (int t = 0; t < kWidth * kHeight; ++t) {
-        const glm::vec2 uv((static_cast<float>(t % kWidth) + 0.5f) / kWidth,
-                           (static_cast<float>(t / kWidth) + 0.5f) / kHeight);
+      for (int t = 0; t < kFileWidth * kFileHeight; ++t) {
+        const glm::vec2 uv((static_cast<float>(t % kFileWidth) + 0.5f) / kFileWidth,
+                           (static_cast<float>(t / kFileWidth) + 0.5f) / kFileHeight);
         const glm::vec3 rho =
             evaluate_btf(btf, {uv, 0.0f}, glm::vec3(rings.direction(l)), glm::vec3(rings.direction(v)));
         for (int c = 0; c < 3; ++c)
@@ -158,7 +158,7 @@ TEST_F(BtfFolder, RefusesWhatDoesNotFit) {
   write_linear();
   const std::string victim = at(image_name({30, 0}, {60, 45}, ".exr"));
   const Image good = load_hdr_image(victim);
-  save_exr(victim, Image(kWidth + 1, kHeight, 3));
+  save_exr(victim, Image(kFileWidth + 1, kFileHeight, 3));
   EXPECT_NE(fault().find("has 5 x 3 texels"), std::string::npos) << fault();
   Image bad = good;
   bad.data[7] = NAN;
@@ -314,14 +314,14 @@ struct ContainerWriter {
       put(static_cast<std::uint32_t>(rings.angles_deg.size()));
       for (const glm::dvec2& light : rings.angles_deg) angles(light);
     }
-    put<std::uint32_t>(kWidth);
-    put<std::uint32_t>(kHeight);
+    put<std::uint32_t>(kFileWidth);
+    put<std::uint32_t>(kFileHeight);
   }
 
   /// Each channel a full factorisation: U holds the images, S V the identity.
   static std::string dfmf(int model, bool cosine) {
     const Rings rings;
-    const std::size_t n = rings.angles_deg.size(), texels = kWidth * kHeight;
+    const std::size_t n = rings.angles_deg.size(), texels = kFileWidth * kFileHeight;
     ContainerWriter w;
     w.header("!DFMF08FCR", cosine, rings);
     w.put<std::uint32_t>(0);  // rotations
@@ -364,13 +364,13 @@ struct ContainerWriter {
     w.put<std::uint32_t>(2);
     w.put<std::uint8_t>(2);
     std::vector<int> stored;
-    for (int t = 0; t < kWidth * kHeight; ++t) {
+    for (int t = 0; t < kFileWidth * kFileHeight; ++t) {
       w.put<std::uint8_t>(t == masked ? 0 : 1);
       if (t != masked) stored.push_back(t);
     }
     w.put<std::uint32_t>(0);
-    for (std::size_t begin = 0; begin < stored.size(); begin += 2 * kWidth) {
-      const std::size_t end = std::min(stored.size(), begin + 2 * kWidth);
+    for (std::size_t begin = 0; begin < stored.size(); begin += 2 * kFileWidth) {
+      const std::size_t end = std::min(stored.size(), begin + 2 * kFileWidth);
       w.put(static_cast<std::uint32_t>((end - begin) * n * n * 6));
       for (std::size_t i = begin; i < end; ++i)
         for (std::size_t v = 0; v < n; ++v)
@@ -413,7 +413,8 @@ TEST_F(BtfContainer, DfmfComesBack) {
 TEST_F(BtfContainer, BdifComesBack) {
   expect_made(read_btf_container(store(ContainerWriter::bdif()), {}), 2e-4);
   const Btf masked = read_btf_container(store(ContainerWriter::bdif(2)), {});
-  EXPECT_EQ(evaluate_btf(masked, {{2.5f / kWidth, 0.5f / kHeight}, 0.0f}, {0, 0, 1}, {0, 0, 1}), glm::vec3(0.0f));
+  EXPECT_EQ(evaluate_btf(masked, {{2.5f / kFileWidth, 0.5f / kFileHeight}, 0.0f}, {0, 0, 1}, {0, 0, 1}),
+            glm::vec3(0.0f));
 }
 
 TEST_F(BtfContainer, OthersAreRefusedByName) {
@@ -454,7 +455,7 @@ TEST_F(BtfFolder, ItsKeyFollowsItsContent) {
   write_linear();
   const std::uint64_t key = btf_content_key(folder());
   EXPECT_EQ(btf_content_key(folder()), key);
-  save_exr(at(image_name({30, 0}, {60, 45}, ".exr")), Image(kWidth, kHeight, 3, 0.5f));
+  save_exr(at(image_name({30, 0}, {60, 45}, ".exr")), Image(kFileWidth, kFileHeight, 3, 0.5f));
   EXPECT_NE(btf_content_key(folder()), key);
 }
 

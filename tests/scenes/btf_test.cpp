@@ -167,7 +167,9 @@ TEST(HalfFloats, AreTheSameWhereDenormalFloatsCountAsZero) {
   for (std::uint32_t bits = 0; bits < 0x10000; ++bits) values[bits] = float_of_half(static_cast<std::uint16_t>(bits));
   _mm_setcsr(before);
   for (std::uint32_t bits = 0; bits < 0x10000; ++bits)
-    if ((bits & 0x7c00) != 0x7c00) EXPECT_EQ(values[bits], imath_half_to_float(static_cast<std::uint16_t>(bits)));
+    if ((bits & 0x7c00) != 0x7c00) {
+      EXPECT_EQ(values[bits], imath_half_to_float(static_cast<std::uint16_t>(bits)));
+    }
 }
 
 /// Smooth in texels and directions, with more components than are kept.

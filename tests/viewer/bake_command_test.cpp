@@ -104,8 +104,9 @@ TEST(BakeCommand, TheReportMeasuresABakeThatIsNamed) {
   for (const auto& point : json.at("points")) points += point.at("technique") == "slf" ? 1 : 0;
   EXPECT_GE(points, 1);
   for (const auto& left_out : json.at("left_out"))
-    if (left_out.at("technique") == "prt" && left_out.at("what") == "prt")
+    if (left_out.at("technique") == "prt" && left_out.at("what") == "prt") {
       EXPECT_NE(left_out.at("why").get<std::string>().find("maquette bake prt"), std::string::npos);
+    }
 }
 
 /// Of the columns of all blocks, in the order of their names.

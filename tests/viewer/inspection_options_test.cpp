@@ -155,7 +155,9 @@ TEST(InspectionOptions, AWindowsTabMeasuresWhatItsWindowShows) {
     EXPECT_EQ(measured.camera.eye, shown.camera.eye);
     EXPECT_EQ(measured.camera.target, shown.camera.target);
     EXPECT_EQ(measured.camera.height_m, height_m);
-    if (height_m == 0.0f) EXPECT_NEAR(measured.camera.fov_y_rad, shown.camera.fov_y_rad, 1e-6f);
+    if (height_m == 0.0f) {
+      EXPECT_NEAR(measured.camera.fov_y_rad, shown.camera.fov_y_rad, 1e-6f);
+    }
     EXPECT_EQ(measured.settings.get_double("reflections.wedge"), 0.5);
     EXPECT_EQ(measured.settings.get_string("reflections.layer"), "all") << "every layer is measured";
   }

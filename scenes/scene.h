@@ -21,7 +21,7 @@ struct TextureImage {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> rgba;
-  std::vector<std::uint16_t> rgba16;  ///< the same in 16 bits, of images that have them; else empty
+  std::vector<std::uint16_t> rgba16{};  ///< the same in 16 bits, of images that have them; else empty
 };
 
 enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };

@@ -31,9 +31,9 @@ install_packages() {
   $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
 }
 
-# build [ON|OFF]: with or without the tests.
+# build ON|OFF [TARGET]: with or without the tests; TARGET alone, or all.
 build() {
   export CCACHE_DEPEND=1  # what the cache lacks is not preprocessed twice
   cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DMAQUETTE_TESTS="$1"
-  ninja -C build
+  ninja -C build ${2:+"$2"}
 }

@@ -57,6 +57,7 @@ std::size_t texel_bytes(GLenum internal_format) {
     case GL_RG32F:
     case GL_RG32UI:
     case GL_RGBA16F:
+    case GL_RGBA16:
     case GL_RGBA16UI:
       return 8;
     case GL_RGB32F:

@@ -121,17 +121,17 @@ RotatingFrames draw_rotating(Stage& stage, FrameRequest r, const Reference& refe
 /// common (1.1 % of a mirrored sun) does not show in the difference of two halves with the same list.
 Reference converge_uniform(Stage& stage, FrameRequest r) {
   Reference reference;
-  constexpr std::uint32_t kSeeds = 4;
+  constexpr std::uint32_t kSwapSeeds = 4;
   r.mode = "uniform";
   r.samples = 512;
   for (std::uint32_t h = 0; h < 2; ++h)
-    for (std::uint32_t s = 0; s < kSeeds; ++s) {
-      r.seed = 77 + h * kSeeds + s;
+    for (std::uint32_t s = 0; s < kSwapSeeds; ++s) {
+      r.seed = 77 + h * kSwapSeeds + s;
       stage.renderer().render(r);
       const Image picture = stage.renderer().read_radiance();
       Image& half = reference.halves[h];
       if (s == 0) half = Image(picture.width, picture.height, 4);
-      for (std::size_t i = 0; i < picture.data.size(); ++i) half.data[i] += picture.data[i] / kSeeds;
+      for (std::size_t i = 0; i < picture.data.size(); ++i) half.data[i] += picture.data[i] / kSwapSeeds;
     }
   reference.noise = 0.5 * relative_rmse(reference.halves[0], reference.halves[1]);
   reference.picture = reference.halves[0];

@@ -264,11 +264,11 @@ struct ValidationSums {
 };
 
 Figures measure_case(Stage& stage, Case c, ValidationSums* sums) {
-  constexpr int kSamples = 64;
+  constexpr int kFrameSamples = 64;
   Figures figures;
   c.plain = true;  // light is interpolated, and the prediction is for light
   stage.show(c);
-  const Views views = predict(stage, kSamples);
+  const Views views = predict(stage, kFrameSamples);
   const std::vector<Definition> all = definitions();
   for (std::size_t i = 0; i < all.size() && stage.options().reference_seconds > 0.0; ++i) {  // 0: variance alone
     const Pairs pairs = bandwidth_pairs(views, stage.reference(), all[i]);
@@ -280,7 +280,7 @@ Figures measure_case(Stage& stage, Case c, ValidationSums* sums) {
     figures.push_back(shown("bandwidth, " + c.name, text_of(agree(pairs, floor), pairs)));
     write_pairs(stage, "bandwidth", pairs);
   }
-  const Pairs variance = variance_pairs(stage, views, kSamples, 32);
+  const Pairs variance = variance_pairs(stage, views, kFrameSamples, 32);
   sums->variance.append(variance);
   write_pairs(stage, "variance", variance);
   figures.push_back(shown("variance, " + c.name, text_of(agree(variance, 0.0), variance)));

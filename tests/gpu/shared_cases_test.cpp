@@ -18,7 +18,7 @@ namespace {
 
 const std::filesystem::path kCases = std::filesystem::path(MAQUETTE_SOURCE_DIR) / "../shared/data/cases";
 
-struct Case {
+struct SharedCase {
   const char* file;
   bool black_sky;  ///< else of radiance 1
   glm::ivec2 pixel;
@@ -33,7 +33,7 @@ constexpr glm::vec3 kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1}, kOver{0.25f,
     kPlain{0.5f, 0.25f, 0.125f};
 constexpr float kSlope = 0.70711f;
 
-const Case kAll[] = {
+const SharedCase kAll[] = {
     {"02-flat-normals/tent.gltf", false, {10, 20}, {-kSlope, 0, kSlope}, 0.01f, "normal"},
     {"02-flat-normals/tent.gltf", false, {19, 20}, {-kSlope, 0, kSlope}, 0.01f, "normal"},
     {"02-flat-normals/tent.gltf", false, {30, 20}, {kSlope, 0, kSlope}, 0.01f, "normal"},
@@ -82,7 +82,7 @@ class SharedCases : public ::testing::Test {
     if (!std::filesystem::exists(kCases)) GTEST_SKIP() << "there is no " << kCases;
   }
 
-  glm::vec3 draw(const Case& c, const std::string& mode, const std::string& transport) {
+  glm::vec3 draw(const SharedCase& c, const std::string& mode, const std::string& transport) {
     Renderer renderer;
     renderer.set_scene(std::make_shared<Scene>(load_scene((kCases / c.file).string())));
     renderer.set_environment(test::constant_sky(c.black_sky ? 0.0f : 1.0f));
@@ -112,7 +112,7 @@ class SharedCases : public ::testing::Test {
 TEST_F(SharedCases, HaveTheValuesOfTheirSpecifications) {
   const std::pair<const char*, const char*> modes[] = {{"uniform", ""}, {"bandwidth", ""},       {"splitsum", ""},
                                                        {"sg", ""},      {"reference", "direct"}, {"reference", "full"}};
-  for (const Case& c : kAll) {
+  for (const SharedCase& c : kAll) {
     // Modes that look up have no lights.
     for (const auto& [mode, transport] : modes) {
       const bool looks_up = std::string(mode) == "splitsum" || std::string(mode) == "sg";

@@ -61,7 +61,7 @@ using Lanes = Eigen::Array<float, kLanes, 1>;
 /// Values over an interval, with linear interpolation.
 template <std::size_t kCount>
 struct Curve {
-  std::array<glm::vec3, kCount> values;
+  std::array<glm::vec3, kCount> values{};
   glm::vec3 operator()(float unit) const {
     const float x = std::clamp(unit, 0.0f, 1.0f) * static_cast<float>(kCount - 1);
     const auto i = std::min(static_cast<std::size_t>(x), kCount - 2);
@@ -75,7 +75,7 @@ struct Prepared {
   const LayeredModel& model;
   bool coated;
   float index;
-  glm::vec3 diffuse;  ///< BRDF of the substrate seen from outside, without the coat's transmission
+  glm::vec3 diffuse{};  ///< BRDF of the substrate seen from outside, without the coat's transmission
   Curve<kFresnelCount> reflectance;
   Curve<65> tint;  ///< over the mean path factor 1 / cos, from 1 to longest_path
   float longest_path;

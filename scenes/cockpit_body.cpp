@@ -129,7 +129,7 @@ BezierPatch make_windshield(int material) {
     return std::array<Vec3, 4>{f[0], (-5.0 * f[0] + 18.0 * f[1] - 9.0 * f[2] + 2.0 * f[3]) / 6.0,
                                (2.0 * f[0] - 9.0 * f[1] + 18.0 * f[2] - 5.0 * f[3]) / 6.0, f[3]};
   };
-  std::array<std::array<Vec3, 4>, 4> rows;
+  std::array<std::array<Vec3, 4>, 4> rows{};
   for (std::size_t i = 0; i < 4; ++i)
     rows[i] = control({point(t[0], t[i]), point(t[1], t[i]), point(t[2], t[i]), point(t[3], t[i])});
   BezierPatch patch;

@@ -169,8 +169,8 @@ constexpr int kBodyRows = 71, kFineRows = 58;
 constexpr double kSpineFront_m = 1.25, kSpineRear_m = -1.50, kSpineHeight_m = 0.38;
 
 struct Ray {
-  Vec3 origin;
-  Vec3 direction;
+  Vec3 origin{};
+  Vec3 direction{};
 };
 
 /// Rays fan out from a spine within planes across the car; these planes are rotated at the ends of the spine.

@@ -129,12 +129,12 @@ double ridge_rad(double longitude) {
 
 /// A soft box: a rectangular light in the room, brightest in the middle.
 struct SoftBox {
-  glm::dvec3 centre;  ///< m, seen from the origin
-  glm::dvec3 half_u;  ///< m
-  glm::dvec3 half_v;
+  glm::dvec3 centre{};  ///< m, seen from the origin
+  glm::dvec3 half_u{};  ///< m
+  glm::dvec3 half_v{};
   double luminance;  ///< cd/m2
   double softness;   ///< share of the half size over which the edge fades
-  glm::dvec3 tint;
+  glm::dvec3 tint{};
 };
 
 const std::array<SoftBox, 7>& soft_boxes() {

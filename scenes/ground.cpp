@@ -120,7 +120,7 @@ bool has_ground(const Scene& scene) {
     if (!node.visible || node.mesh < 0) continue;
     for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives)
       for (std::size_t k = 0; k + 2 < p.indices.size(); k += 3) {
-        glm::dvec3 corner[3];
+        glm::dvec3 corner[3]{};
         for (std::size_t c = 0; c < 3; ++c)
           corner[c] = glm::dvec3(glm::dmat4(world[i]) * glm::dvec4(p.positions[p.indices[k + c]], 1.0));
         if (std::max({corner[0].y, corner[1].y, corner[2].y}) > below) continue;

@@ -197,7 +197,7 @@ class RowReader {
 
   const ExrPicture& picture_;
   const Window window_;
-  const glm::vec3 weights_;
+  const glm::vec3 weights_{};
   const std::size_t channel_count_, row_floats_;
   std::map<int, Imf::InputPart> parts_;
 };

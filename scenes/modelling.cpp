@@ -124,7 +124,7 @@ Primitive make_grid(int nu, int nv, const SurfaceFunction& f, const GridOptions&
       const double u = static_cast<double>(i) / nu, v = static_cast<double>(j) / nv;
       // A wrapped direction shares the normal across its seam.
       const bool u_seam = options.wrap_u && (i == 0 || i == nu), v_seam = options.wrap_v && (j == 0 || j == nv);
-      Vec3 n;
+      Vec3 n{};
       if (u_seam || v_seam) {
         const double h = 1e-4;
         const double ua = u_seam ? 0.0 : u, va = v_seam ? 0.0 : v;

@@ -63,8 +63,8 @@ Primitive make_quad(const Vec3& origin, const Vec3& a, const Vec3& b, int n = 1,
 
 /// Point of a planar outline with its unit outward normal.
 struct ProfilePoint {
-  Vec2 position;
-  Vec2 normal;
+  Vec2 position{};
+  Vec2 normal{};
 };
 using Profile = std::vector<ProfilePoint>;
 
@@ -79,9 +79,9 @@ Primitive revolve(const Profile& profile, int segments, double from_rad = 0.0, d
 
 /// Pose of a profile: profile x along `x`, profile y along `y`.
 struct Frame {
-  Vec3 origin;
-  Vec3 x;
-  Vec3 y;
+  Vec3 origin{};
+  Vec3 x{};
+  Vec3 y{};
   Vec2 scale{1.0, 1.0};
 };
 /// Moves a counter-clockwise profile along frames (outside: the profile's normals).

@@ -164,7 +164,7 @@ namespace {
 /// Unit gradient of lattice cell (x, y): one of 16 directions, by an integer hash.
 Vec2 lattice_gradient(int x, int y, unsigned seed) {
   static const std::array<Vec2, 16> kDirections = [] {
-    std::array<Vec2, 16> directions;
+    std::array<Vec2, 16> directions{};
     for (std::size_t i = 0; i < 16; ++i)
       directions[i] = {std::cos(std::numbers::pi * static_cast<double>(i) / 8.0),
                        std::sin(std::numbers::pi * static_cast<double>(i) / 8.0)};

@@ -103,7 +103,7 @@ LimitPatches make_limit_patches(const SubdivisionCage& cage, int isolation) {
     const Far::ConstIndexArray vertices = table->GetPatchVertices(handle);
     // A bicubic polynomial is determined by 4 x 4 of its points.
     const double size = param.GetParamFraction(), u0 = param.GetU() * size, v0 = param.GetV() * size;
-    std::array<glm::dvec3, 16> rows, patch;
+    std::array<glm::dvec3, 16> rows{}, patch{};
     for (std::size_t j = 0; j < 4; ++j) {
       std::array<glm::dvec3, 4> row{};
       for (std::size_t i = 0; i < 4; ++i) {

@@ -5,17 +5,19 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export root=$PWD
 
+# missing_packages LIST...: of the lists in scripts/.
 missing_packages() {
   local package
-  sed 's/#.*//' scripts/packages.txt | while read -r package; do
+  (cd scripts && sed 's/#.*//' "$@") | while read -r package; do
     [ -z "$package" ] && continue
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || echo "$package"
   done
 }
 
+# install_packages [LIST...]: packages.txt, or those lists.
 install_packages() {
   local missing sudo=
-  missing=$(missing_packages)
+  missing=$(missing_packages "${@:-packages.txt}")
   [ -z "$missing" ] && return
   # shellcheck disable=SC2086
   echo "installing:" $missing

@@ -11,7 +11,7 @@ namespace {
 constexpr float kPoleMargin_rad = 0.02f;
 
 struct Basis {
-  glm::vec3 forward, right, up;
+  glm::vec3 forward{}, right{}, up{};
 };
 
 Basis basis_of(const CameraView& camera) {

@@ -52,7 +52,9 @@ void draw_eye(Ui& ui) {
   }
   if (ImGui::Button("Eye at V1")) ui.actions.inspection.eye_point = 1;
   mark_item(ui, "inspection/v1");
-  tooltip("68 mm behind, 665 mm above the R-point (78/318/EEC). The car drives towards +Z, +X is at its left");
+  tooltip(
+      "68 mm behind, 665 mm above the R-point (78/318/EEC); the camera keeps its direction. The car drives towards +Z, "
+      "+X is at its left");
   ImGui::SameLine();
   if (ImGui::Button("Eye at V2")) ui.actions.inspection.eye_point = 2;
   mark_item(ui, "inspection/v2");

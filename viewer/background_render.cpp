@@ -13,12 +13,14 @@
 #include "review/journal.h"
 #include "review/json_reader.h"
 #include "scenes/error.h"
+#include "viewer/picture_command.h"
 
 namespace maquette {
 
 namespace fs = std::filesystem;
 
-void BackgroundRender::start(const Review& review, const SettledFrame& settled, const std::string& output) {
+void BackgroundRender::start(const Review& review, const SettledFrame& settled, const std::string& output,
+                             const std::string& command) {
   cancel();
   static int number = 0;
   const std::string base = state_folder() + "/render-" + std::to_string(::getpid()) + "-" + std::to_string(++number);
@@ -47,6 +49,7 @@ void BackgroundRender::start(const Review& review, const SettledFrame& settled, 
   process_ = fork();
   if (process_ == 0) {
     setpriority(PRIO_PROCESS, 0, 10);
+    setenv(kPictureCommand, command.c_str(), 1);
     const int log = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     if (log >= 0) {
       dup2(log, STDOUT_FILENO);

@@ -16,8 +16,10 @@ class BackgroundRender {
   BackgroundRender(const BackgroundRender&) = delete;
   BackgroundRender& operator=(const BackgroundRender&) = delete;
 
-  /// Draws the look at hand of the review into an .exr or .png file; ends the one before. Throws Error.
-  void start(const Review& review, const SettledFrame& settled, const std::string& output);
+  /// Draws the look at hand of the review into an .exr or .png file; ends the one before. `command`: what an .exr says
+  /// that repeats it; empty: nothing. Throws Error.
+  void start(const Review& review, const SettledFrame& settled, const std::string& output,
+             const std::string& command = {});
   void cancel();
   bool busy() const { return process_ > 0; }
   /// True once, when it has ended; `error` is then empty, or what it said.

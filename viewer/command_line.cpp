@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <map>
 
 #include "render/btf/btf_source.h"
@@ -28,7 +29,7 @@ std::string bake_names() {
 const std::vector<CommandDeclaration>& command_declarations() {
   static const std::vector<CommandDeclaration> kCommands = {
       {"view", "[SCENE|REVIEW]", 0, 1,
-       "a scene or a review in a window; without a scene, and without a command, the built-in cockpit", ""},
+       "a scene or a review in a window (maquette FILE does the same); without one the built-in cockpit", ""},
       {"render", "[SCENE|REVIEW]", 0, 1, "one frame, or a look of a review, without a window, to .exr or .png", ""},
       {"bake", "KIND [SCENE]", 1, 2,
        "precomputes what a technique needs: " + bake_names() +
@@ -74,9 +75,16 @@ const CommandDeclaration& find_command(const std::string& name) {
     if (command.name == name) return command;
     names.push_back(command.name);
   }
-  const bool scene = name.starts_with("builtin:") || name.find('.') != std::string::npos;
-  throw UsageError(name, "there is no such command",
-                   scene ? "to see a scene: maquette view " + name : did_you_mean(name, names));
+  throw UsageError(name, "there is no such command", did_you_mean(name, names));
+}
+
+/// Whether a first argument names a scene or a review: `maquette FILE` is `maquette view FILE`.
+bool names_file(const std::string& word) {
+  if (word.starts_with("builtin:") || word.find_first_of("./") != std::string::npos) return true;
+  const auto& commands = command_declarations();
+  const auto same = [&](const CommandDeclaration& command) { return command.name == word; };
+  std::error_code ignored;
+  return std::none_of(commands.begin(), commands.end(), same) && std::filesystem::exists(word, ignored);
 }
 
 /// What other programs call some options.
@@ -243,7 +251,7 @@ void check_settled(const CommandLine& line) {
 CommandLine parse_command_line(const std::vector<std::string>& arguments) {
   CommandLine line;
   std::vector<std::string> rest = arguments;
-  if (!rest.empty() && !rest.front().starts_with('-')) {
+  if (!rest.empty() && !rest.front().empty() && !rest.front().starts_with('-') && !names_file(rest.front())) {
     line.command = find_command(rest.front()).name;
     rest.erase(rest.begin());
   } else if (!rest.empty() && (rest.front() == "--help" || rest.front() == "-h" || rest.front() == "--version")) {

@@ -20,6 +20,8 @@ struct CommandLine {
   bool json = false;
   bool markdown = false;
   bool vocabulary = false;
+  bool man = false;
+  std::string completion;  ///< of this shell
   bool version = false;
   bool help = false;
 };
@@ -42,7 +44,8 @@ struct OptionDeclaration {
   std::vector<std::string> commands;
   std::function<void(CommandLine*, const std::string&)> apply;  ///< throws UsageError for a bad value
   bool repeatable = false;
-  std::string alias = {};  ///< `-o`
+  std::string alias = {};                 ///< `-o`
+  std::vector<std::string> choices = {};  ///< of its argument, where they can be listed; for completion in a shell
 };
 const std::vector<OptionDeclaration>& option_declarations();
 bool belongs_to(const OptionDeclaration& option, const std::string& command);

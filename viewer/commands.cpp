@@ -42,7 +42,9 @@ int run_program(int argc, char** argv) {
   } catch (const UsageError& error) {
     return fail(2, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(1, "out of memory; close other programs or ask for less (--size, --msaa; of a bake fewer parts, or a coarser one)");
+    return fail(1,
+                "out of memory; close other programs or ask for less (--size, --msaa; of a bake fewer parts, or a "
+                "coarser one)");
   } catch (const std::exception& error) {
     return fail(1, error.what());
   }

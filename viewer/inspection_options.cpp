@@ -106,6 +106,14 @@ glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec
   return both_eyes(middle, axes)[view.which_eye == 1 ? 0 : 1];
 }
 
+CameraView camera_at_eye(CameraView camera, const glm::dvec3& eye, const VehicleAxes& axes) {
+  const glm::vec3 ahead = camera.target - camera.eye;
+  camera.eye = glm::vec3(eye);
+  camera.target = camera.eye + ahead;
+  camera.up = glm::vec3(axes.up);
+  return camera;
+}
+
 std::string interval_text(const Interval& i) {
   double half = i.half_width < 1e-6 * std::abs(i.mean) ? 0.0 : i.half_width;  // what is the same along every path
   if (half >= 100.0) {

@@ -33,6 +33,9 @@ std::vector<PictureRegion> picture_regions(const std::vector<InspectedRegion>& r
 /// The eye that a button asks for: 1 V1, 2 V2, 3 the view's own point; of a head's eyes the one that the view names.
 glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec3& r_point_m, const VehicleAxes& axes);
 
+/// The camera moved to an eye, metres; it keeps its direction, and up is the vehicle's. For the window and `measure`.
+CameraView camera_at_eye(CameraView camera, const glm::dvec3& eye, const VehicleAxes& axes);
+
 /// `3989 +- 110 cd/m2`: two digits of the half-width, never with an exponent.
 std::string interval_text(const Interval& interval);
 

@@ -10,6 +10,7 @@
 #include "ui/shortcuts.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "viewer/shell_completion.h"
 #include "viewer/vocabulary_page.h"
 
 namespace maquette {
@@ -20,16 +21,8 @@ constexpr std::size_t kTextColumns = 80;
 constexpr std::size_t kIndent = 2;
 constexpr std::size_t kHelpColumn = 28;
 
-struct Entry {
-  std::string term;
-  std::string help;
-};
-
-struct Section {
-  std::string title;
-  std::string text;  ///< before the entries
-  std::vector<Entry> entries;
-};
+using Entry = ManualEntry;
+using Section = ManualSection;
 
 std::string range_text(const SettingDeclaration& setting) {
   if (!setting.choices.empty()) return join(setting.choices, " | ");
@@ -218,6 +211,8 @@ std::string cell(const std::string& text) {
 
 }  // namespace
 
+std::vector<ManualSection> manual_sections() { return sections({}); }
+
 std::string manual_text(const std::string& command) {
   std::string text;
   if (command.empty()) {
@@ -264,6 +259,10 @@ int run_help(const CommandLine& line) {
     std::printf("maquette %s\n", MAQUETTE_VERSION);
   else if (line.markdown)
     std::fputs(manual_markdown().c_str(), stdout);
+  else if (line.man)
+    std::fputs(manual_roff().c_str(), stdout);
+  else if (!line.completion.empty())
+    std::fputs(shell_completion(line.completion).c_str(), stdout);
   else if (line.vocabulary)
     std::fputs(vocabulary_markdown().c_str(), stdout);
   else

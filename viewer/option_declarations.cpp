@@ -117,6 +117,23 @@ OptionDeclaration render_only(std::string name, std::string argument, std::strin
   return option;
 }
 
+OptionDeclaration chosen(OptionDeclaration option, std::vector<std::string> choices) {
+  option.choices = std::move(choices);
+  return option;
+}
+
+std::vector<std::string> reflections_choices() {
+  std::vector<std::string> names = builtin_registry().names(TechniqueKind::reflector);
+  names.insert(names.begin(), {"off", "auto"});
+  return names;
+}
+
+std::vector<std::string> setting_choices() {
+  std::vector<std::string> names;
+  for (const SettingDeclaration& setting : setting_declarations()) names.push_back(setting.name + "=");
+  return names;
+}
+
 /// Notes all that it gives, for a sheet.
 OptionDeclaration several_environments(OptionDeclaration option) {
   option.repeatable = true;
@@ -155,8 +172,9 @@ std::vector<OptionDeclaration> light_and_material_options() {
              [](O* o, const std::string& t) {
                o->exposure_ev = static_cast<float>(parse_in(t, "--exposure", -64.0, 64.0));
              }),
-      shared("--tonemap", "NAME", join(tonemap_names()) + " (pbr-neutral)",
-             [](O* o, const std::string& t) { o->tonemap = check_name(t, "--tonemap", tonemap_names()); }),
+      chosen(shared("--tonemap", "NAME", join(tonemap_names()) + " (pbr-neutral)",
+                    [](O* o, const std::string& t) { o->tonemap = check_name(t, "--tonemap", tonemap_names()); }),
+             tonemap_names()),
       bake_option(shared(
           "--material", "NAME=FILE",
           "gives the material of that name (* for all) a measured BRDF: MERL .binary, builtin:LIBRARY-NAME, "
@@ -249,38 +267,41 @@ std::vector<OptionDeclaration> quality_options() {
                  "the scene's animation at S seconds (0); `play`: NAME alone plays along the path, or for its duration "
                  "where there is none",
                  parse_animation))),
-      bake_option(plan_option(shared(
-          "--set", "SETTING=VALUE", "any setting of the list below",
-          [](O* o, const std::string& t) {
-            const auto [name, value] = parse_pair(t, "--set", "SETTING=VALUE");
-            o->settings.set_from_text(name, value);
-            o->settings_given.push_back(name);
-          },
-          true))),
+      chosen(bake_option(plan_option(shared(
+                 "--set", "SETTING=VALUE", "any setting of the list below",
+                 [](O* o, const std::string& t) {
+                   const auto [name, value] = parse_pair(t, "--set", "SETTING=VALUE");
+                   o->settings.set_from_text(name, value);
+                   o->settings_given.push_back(name);
+                 },
+                 true))),
+             setting_choices()),
   };
 }
 
 std::vector<OptionDeclaration> technique_options() {
   using O = SceneOptions;
   return {
-      one_picture(
-          plan_option(shared("--mode", "MODE",
-                             "shading mode: " + join(builtin_registry().names(TechniqueKind::mode)) + " (" +
-                                 builtin_registry().default_mode + ")",
-                             [](O* o, const std::string& t) { o->mode = builtin_registry().find_mode(t).name; }))),
+      chosen(one_picture(plan_option(
+                 shared("--mode", "MODE",
+                        "shading mode: " + join(builtin_registry().names(TechniqueKind::mode)) + " (" +
+                            builtin_registry().default_mode + ")",
+                        [](O* o, const std::string& t) { o->mode = builtin_registry().find_mode(t).name; }))),
+             builtin_registry().names(TechniqueKind::mode)),
       one_picture(plan_option(shared(
           "--mode-of", "NODE=MODE",
           "shading mode of a node, by name or path (names from a root joined by /), and of what is below it; of nested "
           "ones the innermost counts",
           [](O* o, const std::string& t) { o->part_modes.push_back(parse_part_mode(t)); }, true))),
-      one_picture(plan_option(
-          shared("--reflections", "NAME",
+      chosen(one_picture(plan_option(shared(
+                 "--reflections", "NAME",
                  "reflector technique of mirrors and glass: off, auto (the exact one, where there is a reflector), " +
                      join(builtin_registry().names(TechniqueKind::reflector)) + " (auto)",
                  [](O* o, const std::string& t) {
                    builtin_registry().find_reflector(t);
                    o->reflections = t;
                  }))),
+             reflections_choices()),
       shared(
           "--reflector", "NODE",
           "node that reflects, instead of those that the scene marks (all its panes where it marks none)",
@@ -374,6 +395,17 @@ std::vector<OptionDeclaration> output_options() {
        "prints it as docs/manual.md holds it",
        {"help"},
        [](CommandLine* line, const std::string&) { line->markdown = true; }},
+      {"--man",
+       "",
+       "prints it as a page for man",
+       {"help"},
+       [](CommandLine* line, const std::string&) { line->man = true; }},
+      chosen({"--completion",
+              "SHELL",
+              "prints the completion of commands and options for bash or zsh",
+              {"help"},
+              [](CommandLine* line, const std::string& t) { line->completion = t; }},
+             {"bash", "zsh"}),
       {"--vocabulary",
        "",
        "prints docs/vocabulary.md, the words of plan and stats",

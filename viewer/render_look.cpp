@@ -1,6 +1,7 @@
 #include "viewer/render_look.h"
 
 #include <cstdio>
+#include <cstdlib>
 
 #include "render/gl/context.h"
 #include "scenes/image_io.h"
@@ -8,6 +9,7 @@
 #include "viewer/command_line.h"
 #include "viewer/look_stage.h"
 #include "viewer/outputs.h"
+#include "viewer/picture_command.h"
 #include "viewer/progress_lines.h"
 #include "viewer/review_options.h"
 #include "viewer/stats.h"
@@ -16,13 +18,18 @@ namespace maquette {
 
 namespace {
 
-std::map<std::string, std::string> provenance(const SceneOptions& options, const Look& look) {
-  return {{"maquette.review", options.review},
-          {"maquette.look", look.name},
-          {"maquette.environment", look.edits.environment},
-          {"maquette.mode", look.mode},
-          {"maquette.seed", std::to_string(options.seed)},
-          {"maquette.average", std::to_string(options.average)}};
+std::map<std::string, std::string> provenance(const SceneOptions& options, const Look& look,
+                                              const SettledFrame& settled) {
+  std::map<std::string, std::string> texts = {{"maquette.look", look.name},
+                                              {"maquette.environment", look.edits.environment},
+                                              {"maquette.mode", look.mode},
+                                              {"maquette.seed", std::to_string(options.seed)},
+                                              {"maquette.average", std::to_string(options.average)}};
+  const char* told = std::getenv(kPictureCommand);
+  const std::string command =
+      told ? std::string(told) : picture_command(options.review, options.look, settled, options.output);
+  if (!command.empty()) texts["maquette.command"] = command;
+  return texts;
 }
 
 }  // namespace
@@ -52,7 +59,7 @@ int render_look(const CommandLine& line) {
   if (png)
     save_png(options.output, stage.renderer().read_display(exposure_ev, look.tonemap));
   else if (!options.output.empty())
-    save_exr(options.output, stage.renderer().read_radiance(), provenance(options, look));
+    save_exr(options.output, stage.renderer().read_radiance(), provenance(options, look, settled));
   if (!options.output.empty() && options.stats != "-")
     std::printf("%s: %dx%d, look %s, mode %s\n", options.output.c_str(), options.width, options.height,
                 look.name.empty() ? "as saved" : look.name.c_str(), look.mode.c_str());

@@ -16,7 +16,7 @@ constexpr int kSamplesPerKind = 20;
 constexpr double kAlphas[] = {0.22, 0.04};  // GGX widths that the half vectors are drawn with, besides the cosine
 
 struct Local {
-  glm::dvec3 x, y, z;
+  glm::dvec3 x{}, y{}, z{};
   glm::dvec3 to_world(const glm::dvec3& v) const { return v.x * x + v.y * y + v.z * z; }
 };
 
@@ -55,7 +55,7 @@ glm::dvec3 reflected(const BrdfTable& table, const Local& local, const glm::dvec
   glm::dvec3 sum(0.0);
   for (int i = 0; i < 3 * kSamplesPerKind; ++i) {
     const double u = uniform(*random), phi = glm::two_pi<double>() * uniform(*random);
-    glm::dvec3 wi;
+    glm::dvec3 wi{};
     if (i % 3 == 0) {
       const double r = std::sqrt(u);
       wi = {r * std::cos(phi), r * std::sin(phi), std::sqrt(1.0 - u)};

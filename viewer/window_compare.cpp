@@ -16,6 +16,7 @@
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "viewer/overlay_texture.h"
+#include "viewer/picture_command.h"
 
 namespace maquette {
 
@@ -133,9 +134,12 @@ void WindowCompare::start_file(WindowSession* session, const SettledFrame& settl
   try {
     const std::string& review = session->review().file();
     const std::string& name = session->state.name;
-    file_.start(session->review().review(), settled,
-                free_file(review.empty() ? fs::current_path() : fs::path(review).parent_path(),
-                          name.empty() ? "look" : name, ending));
+    const std::string file = free_file(review.empty() ? fs::current_path() : fs::path(review).parent_path(),
+                                       name.empty() ? "look" : name, ending);
+    const std::optional<std::string> command = repeating_command(session->review(), settled, file);
+    again_ = command ? "again by: " + *command
+                     : "to draw it again by a command, keep the look (L) and save the review (Ctrl+S) first";
+    file_.start(session->review().review(), settled, file, command.value_or(""));
     session->add_message(MessageLevel::warning, "in work: " + file_.output());
   } catch (const Error& error) {
     session->add_message(MessageLevel::error, error.what());
@@ -166,7 +170,7 @@ void WindowCompare::update(WindowSession* session, const WindowPicture& picture)
   std::string error;
   if (file_.poll(&error))
     session->add_message(error.empty() ? MessageLevel::warning : MessageLevel::error,
-                         error.empty() ? "written: " + file_.output() : error);
+                         error.empty() ? "written: " + file_.output() + "; " + again_ : error);
   EditorState& state = session->state;
   note_looks(state);
   if (!state.compare.on) {

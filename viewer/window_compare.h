@@ -56,6 +56,7 @@ class WindowCompare {
   std::string present_, other_;  ///< names of the looks that were shown last
   float wiper_ = 0.5f;           ///< share of the picture's width, from the left, that shows the present look
   BackgroundRender drawing_, file_;
+  std::string again_;  ///< how the file that is being drawn is made again
   std::optional<Wanted> wanted_;
   int wanted_msaa_ = 1;       ///< samples a pixel that it is drawn with
   Image radiance_, display_;  ///< of the other look

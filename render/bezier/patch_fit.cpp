@@ -93,7 +93,7 @@ Surface solve(const Cloud& cloud, const std::vector<glm::dvec2>& feet, const std
     for (int c = 0; c < 3; ++c) matrix(3 * k + c, 3 * k + c) += bending * (degree > 1.0 ? degree * degree : 1e-3);
   }
   const Eigen::VectorXd solved = matrix.selfadjointView<Eigen::Upper>().ldlt().solve(right);
-  Surface s;
+  Surface s{};
   for (int k = 0; k < 16; ++k) s.c[k] = {solved(3 * k), solved(3 * k + 1), solved(3 * k + 2)};
   return s;
 }
@@ -121,8 +121,8 @@ std::array<glm::dvec3, 16> control_points(const Surface& s) {
     return {c[0] - c[1] + c[2] - c[3], c[0] - c[1] / 3.0 - c[2] / 3.0 + c[3], c[0] + c[1] / 3.0 - c[2] / 3.0 - c[3],
             c[0] + c[1] + c[2] + c[3]};
   };
-  std::array<std::array<glm::dvec3, 4>, 4> rows;
-  std::array<glm::dvec3, 16> out;
+  std::array<std::array<glm::dvec3, 4>, 4> rows{};
+  std::array<glm::dvec3, 16> out{};
   for (std::size_t j = 0; j < 4; ++j) rows[j] = blossom({s.c[4 * j], s.c[4 * j + 1], s.c[4 * j + 2], s.c[4 * j + 3]});
   for (std::size_t i = 0; i < 4; ++i) {
     const auto column = blossom({rows[0][i], rows[1][i], rows[2][i], rows[3][i]});
@@ -142,7 +142,7 @@ double percentile_98(std::vector<double>* angles) {
 struct LocalFit {
   Cloud cloud;
   std::vector<std::size_t> triangles;  ///< indices within the part
-  Surface surface;
+  Surface surface{};
   std::vector<glm::dvec2> feet;
   Distances distances;  ///< m
 };

@@ -49,7 +49,7 @@ struct Part {
   ReflectorNodes nodes;
   glm::vec3 origin{0.0f};
   PatchView view;
-  bezier_float::BezierSurface surface;
+  bezier_float::BezierSurface surface{};
   GhostDeviation ghost;  ///< bound of the difference between the rays that are traced and those of the patch
   /// How far outside a sphere the traced rays may be when the patch's own rays touch the sphere.
   float ghost_margin_m(const glm::vec3& center, float radius) const {

@@ -51,7 +51,7 @@ bool is_flat(const std::array<glm::dvec3, 16>& points, const glm::dvec3& origin,
 
 ReflectorPatch make_reflector_patch(const std::array<glm::dvec3, 16>& points) {
   ReflectorPatch out;
-  std::array<std::array<glm::dvec3, 4>, 4> rows;
+  std::array<std::array<glm::dvec3, 4>, 4> rows{};
   for (std::size_t j = 0; j < 4; ++j)
     rows[j] = centred_powers({points[4 * j], points[4 * j + 1], points[4 * j + 2], points[4 * j + 3]});
   for (std::size_t i = 0; i < 4; ++i) {
@@ -90,7 +90,7 @@ std::array<glm::dvec3, 16> part_of_patch(const std::array<glm::dvec3, 16>& point
     return std::array{polar(low, low, low), polar(low, low, high), polar(low, high, high), polar(high, high, high)};
   };
   const glm::dvec4 u = 0.5 * within + 0.5;
-  std::array<glm::dvec3, 16> rows, out;
+  std::array<glm::dvec3, 16> rows{}, out{};
   for (std::size_t j = 0; j < 4; ++j) {
     const auto row = cut({points[4 * j], points[4 * j + 1], points[4 * j + 2], points[4 * j + 3]}, u.x, u.z);
     std::copy(row.begin(), row.end(), rows.begin() + static_cast<std::ptrdiff_t>(4 * j));
@@ -117,7 +117,7 @@ std::vector<ReflectorNodes> make_reflector_nodes(const ReflectorPatch& patch, co
   for (int j = 0; j < kNodesPerSide; ++j)
     for (int i = 0; i < kNodesPerSide; ++i) {
       const bezier_double::BezierNode d = bezier_node(patch.exact, eye, grid_parameter(i, j, kNodesPerSide));
-      bezier_float::BezierNode f;
+      bezier_float::BezierNode f{};
       f.x = glm::vec2(d.x);
       f.position = glm::vec3(d.position);
       f.normal = glm::vec3(d.normal);

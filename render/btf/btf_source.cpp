@@ -163,7 +163,7 @@ Btf load_or_make(const BtfSource& source, std::uint64_t key, const BtfTask& task
 
 /// Directions of a table's entry, turned about the normal. Source: Rusinkiewicz 1998.
 struct EntryDirections {
-  glm::vec3 wi, wo;
+  glm::vec3 wi{}, wo{};
 };
 EntryDirections directions_of(double theta_h, double theta_d, double phi_d, double phi_h) {
   const glm::dvec3 d(std::sin(theta_d) * std::cos(phi_d), std::sin(theta_d) * std::sin(phi_d), std::cos(theta_d));
@@ -231,7 +231,7 @@ BrdfTable mean_table(const Btf& btf) {
   parallel_for(0, kThetaHCount, [&](int h) {
     const double root = (h + 0.5) / kThetaHCount, theta_h = root * root * kHalfPi;
     for (int d = 0; d < kThetaDCount; ++d) {
-      std::array<glm::vec3, kPhiDCount / kPhiStep> coarse;
+      std::array<glm::vec3, kPhiDCount / kPhiStep> coarse{};
       for (std::size_t p = 0; p < coarse.size(); ++p) {
         coarse[p] = glm::vec3(0.0f);
         const double phi_d = (static_cast<double>(p) + 0.5) * kPhiStep / kPhiDCount * std::numbers::pi;

@@ -37,7 +37,7 @@ EnvironmentTables load_environment_tables(const Environment& environment);  ///<
 /// Otherwise the variation of light over density within the cells of a sun would appear as noise: a quarter of the
 /// variance under the clear sky.
 struct EnvironmentDirection {
-  glm::vec3 direction;
+  glm::vec3 direction{};
   float pdf;           ///< 1/sr
   float map_x, map_y;  ///< texels, centres at half-integers
 };
@@ -63,9 +63,9 @@ EnvironmentDirection sample_environment_direction(const Environment& environment
 /// weights. Both strategies must use the same radiance: with the bilinear radiance here, the balance heuristic (not
 /// linear in radiance) would lose up to 6 % of a sun that a glossy surface mirrors.
 struct EnvironmentSample {
-  glm::vec3 direction;
-  float pdf;           ///< 1/sr: joint density of direction and node, divided by the node's bilinear weight
-  glm::vec3 radiance;  ///< of the node
+  glm::vec3 direction{};
+  float pdf;             ///< 1/sr: joint density of direction and node, divided by the node's bilinear weight
+  glm::vec3 radiance{};  ///< of the node
   float padding = 0.0f;
 };
 /// `count` samples of a scrambled low-discrepancy sequence (prefixes and runs of consecutive samples are well

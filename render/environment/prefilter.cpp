@@ -26,7 +26,7 @@ constexpr int kDiffuseCells = 128;
 
 /// A direction of the lobe around +Z and the solid angle that it represents.
 struct LobeSample {
-  glm::vec3 direction;
+  glm::vec3 direction{};
   float solid_angle_sr;
 };
 

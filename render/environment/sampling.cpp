@@ -37,7 +37,7 @@ class TexelsAround {
 
 /// One of the four nodes around a point of the map (nodes at integers).
 struct SampledNode {
-  glm::vec3 radiance;
+  glm::vec3 radiance{};
   float factor;  ///< probability of the selection, divided by the node's bilinear weight
 };
 
@@ -49,7 +49,7 @@ SampledNode sample_node(const PackedSky& sky, float x, float y, float u) {
   const int x0 = below(x), y0 = below(y);
   const float a = x - static_cast<float>(x0), b = y - static_cast<float>(y0);
   const float shares[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b), (1.0f - a) * b, a * b};
-  glm::vec3 nodes[4];
+  glm::vec3 nodes[4]{};
   float sums[4], begins[5] = {};  // channels; sums of the weights so far
   for (int k = 0; k < 4; ++k) {
     nodes[k] = sky.at(x0 + (k & 1), y0 + (k >> 1));

@@ -16,7 +16,7 @@ constexpr double kLargestSun_sr = 0.004;
 
 struct SunTexel {
   std::size_t x, y;
-  glm::vec3 radiance;
+  glm::vec3 radiance{};
   double power;  ///< luminance times the integral of its tent over the sphere
 };
 

@@ -135,8 +135,8 @@ void Texture::upload(int level, int width, int height, GLenum format, GLenum typ
 
 namespace {
 
-/// From disk where the path is absolute (a technique that is not of this program), or below MAQUETTE_SHADERS (hot reload
-/// in development) when that is set; else from the program itself.
+/// From disk where the path is absolute (a technique that is not of this program), or below MAQUETTE_SHADERS (hot
+/// reload in development) when that is set; else from the program itself.
 std::string read_shader(const std::string& path) {
   const char* folder = std::getenv("MAQUETTE_SHADERS");
   if (folder || std::filesystem::path(path).is_absolute()) {
@@ -169,20 +169,10 @@ void expand(const std::string& path, std::set<std::string>* seen, std::vector<st
   }
 }
 
-std::string expand(const std::string& path, std::vector<std::string>* files) {
-  std::set<std::string> seen;
-  std::string text;
-  expand(path, &seen, files, &text);
-  return text;
-}
-
 GLuint compile(GLenum stage, const std::string& path, const ShaderDefines& defines) {
-  std::vector<std::string> files;
-  std::string source = "#version 450 core\n";
-  for (const auto& [name, value] : defines) source += "#define " + name + " " + value + "\n";
-  source += "#line 1 0\n" + expand(path, &files);
+  const ShaderText expanded = shader_text(path, defines);
   const GLuint shader = glCreateShader(stage);
-  const char* text = source.c_str();
+  const char* text = expanded.source.c_str();
   glShaderSource(shader, 1, &text, nullptr);
   glCompileShader(shader);
   GLint ok = 0;
@@ -193,10 +183,8 @@ GLuint compile(GLenum stage, const std::string& path, const ShaderDefines& defin
   glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
   log.resize(static_cast<std::size_t>(length));
   glDeleteShader(shader);
-  // Mesa writes "index:line(column): ..."; give the index back its file name.
-  for (std::size_t i = files.size(); i-- > 0;)
-    log = std::regex_replace(log, std::regex("(^|\n)" + std::to_string(i) + "[:(]"), "$1" + files[i] + ":");
-  throw Error(path, "the shader does not compile: " + log);
+  // Mesa writes "index:line(column): ..."
+  throw Error(path, "the shader does not compile: " + expanded.name_files(log));
 }
 
 GLuint link(const std::string& what, std::initializer_list<GLuint> shaders) {
@@ -217,9 +205,29 @@ GLuint link(const std::string& what, std::initializer_list<GLuint> shaders) {
 
 }  // namespace
 
+std::string ShaderText::name_files(std::string message, const std::string& prefix) const {
+  for (std::size_t i = files.size(); i-- > 0;)
+    message = std::regex_replace(message, std::regex("(^|\n)" + prefix + std::to_string(i) + "[:(]"),
+                                 "$1" + prefix + files[i] + ":");
+  return message;
+}
+
 std::string load_shader_text(const std::string& path) {
+  std::set<std::string> seen;
   std::vector<std::string> files;
-  return expand(path, &files);
+  std::string text;
+  expand(path, &seen, &files, &text);
+  return text;
+}
+
+ShaderText shader_text(const std::string& path, const ShaderDefines& defines) {
+  ShaderText text;
+  text.source = "#version 450 core\n";
+  for (const auto& [name, value] : defines) text.source += "#define " + name + " " + value + "\n";
+  text.source += "#line 1 0\n";
+  std::set<std::string> seen;
+  expand(path, &seen, &text.files, &text.source);
+  return text;
 }
 
 Program Program::compute(const std::string& path, const ShaderDefines& defines) {

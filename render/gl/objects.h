@@ -126,7 +126,18 @@ class Program {
   mutable std::map<std::string, GLint> locations_;
 };
 
-/// Text of a shader below shaders/, includes expanded, for Program and the compile-all test. Throws Error when absent.
+/// A shader below shaders/ as a compiler takes it: version and defines, includes expanded. `#line` and messages name
+/// files by their index in `files`.
+struct ShaderText {
+  std::string source;
+  std::vector<std::string> files;
+  /// A compiler's message with the names of the files: an index before a colon or a bracket, at the begin of a line or
+  /// after `prefix`.
+  std::string name_files(std::string message, const std::string& prefix = {}) const;
+};
+/// Text of a shader below shaders/, includes expanded, to be made part of another. Throws Error when absent.
 std::string load_shader_text(const std::string& path);
+/// Throws Error when a file is absent.
+ShaderText shader_text(const std::string& path, const ShaderDefines& defines = {});
 
 }  // namespace maquette

@@ -72,14 +72,14 @@ glm::vec3 indirect_ray_direction(int r, int rays);
 /// The frame of a point's ray pattern in world space, about its normal on one side. Each point rotates the pattern by
 /// its own angle, to decorrelate the errors of neighbours.
 struct IndirectFrame {
-  glm::vec3 t, b, n;
+  glm::vec3 t{}, b{}, n{};
   glm::vec3 to_world(const glm::vec3& d) const { return t * d.x + b * d.y + n * d.z; }
 };
 IndirectFrame indirect_frame(const VisibilityPoint& point, std::size_t index, int side);
 /// Where the rays of a point's side begin, world.
 struct IndirectStart {
   IndirectFrame frame;
-  glm::vec3 origin;
+  glm::vec3 origin{};
 };
 IndirectStart indirect_start(const IndirectLinks& links, std::size_t index, int side);
 

@@ -15,7 +15,7 @@ glm::dvec3 offset_of(const EyePlace& place) {
   const glm::dvec3 mirrored(1.0, place.right_hand_drive ? -1.0 : 1.0, 1.0);
   if (place.point == "V1" || place.point == "v1") return kV1_mm * mirrored;
   if (place.point == "V2" || place.point == "v2") return kV2_mm * mirrored;
-  glm::dvec3 v;
+  glm::dvec3 v{};
   char rest = 0;
   if (std::sscanf(place.point.c_str(), "%lf,%lf,%lf%c", &v.x, &v.y, &v.z, &rest) == 3) return v;
   throw UsageError("--eye-point", "\"" + place.point + "\" is neither V1, V2 nor x,y,z",

@@ -111,7 +111,7 @@ std::optional<PaneLight> light_on_pane(const PathScene& scene, const Environment
   struct Facet {
     std::uint32_t triangle;
     double area;
-    glm::dvec3 middle, normal;
+    glm::dvec3 middle{}, normal{};
   };
   std::vector<Facet> facets;
   PaneLight light;

@@ -20,9 +20,9 @@ class TriangleView {
   double solid_angle() const { return 2.0 * half_sr_; }
 
   struct Sample {
-    glm::vec3 wi;      ///< unit, towards the triangle
+    glm::vec3 wi{};    ///< unit, towards the triangle
     float distance_m;  ///< to the triangle
-    glm::vec2 uv;      ///< coordinates along its edges there
+    glm::vec2 uv{};    ///< coordinates along its edges there
   };
   /// Uniform over the solid angle, which must not be 0; `u` in [0, 1)^2.
   Sample sample(const glm::vec2& u) const;

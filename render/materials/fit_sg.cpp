@@ -160,7 +160,7 @@ SgFit compute_sg_fit(const BrdfTable& brdf) {
 
 /// Plain data for the cache.
 struct StoredFit {
-  glm::vec3 diffuse;
+  glm::vec3 diffuse{};
   SgFit::Lobe lobes[kLobes];
   float relative_error;
 };

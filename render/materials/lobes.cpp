@@ -30,7 +30,7 @@ glm::dvec3 median_of(const BrdfTable& brdf, const glm::dvec3& wo) {
     const glm::dvec3 f = evaluate_brdf(brdf, {r * std::cos(phi), r * std::sin(phi), std::sqrt(1.0 - u.x)}, wo);
     for (int c = 0; c < 3; ++c) values[static_cast<std::size_t>(c)][static_cast<std::size_t>(k)] = f[c];
   }
-  glm::dvec3 median;
+  glm::dvec3 median{};
   for (int c = 0; c < 3; ++c) {
     auto& channel = values[static_cast<std::size_t>(c)];
     std::nth_element(channel.begin(), channel.begin() + kMedianSamples / 2, channel.end());
@@ -40,8 +40,8 @@ glm::dvec3 median_of(const BrdfTable& brdf, const glm::dvec3& wo) {
 }
 
 struct LobeSample {
-  glm::dvec3 direction;
-  glm::dvec3 whole, mirror;  ///< f cos / pdf
+  glm::dvec3 direction{};
+  glm::dvec3 whole{}, mirror{};  ///< f cos / pdf
 };
 
 double luminance_of(const glm::dvec3& v) { return static_cast<double>(luminance(glm::vec3(v))); }

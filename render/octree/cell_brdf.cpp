@@ -25,7 +25,7 @@ constexpr double kQuadratureSteps = 64;
 
 const std::array<glm::vec3, kCellDirections>& directions() {
   static const auto table = [] {
-    std::array<glm::vec3, kCellDirections> d;
+    std::array<glm::vec3, kCellDirections> d{};
     for (int i = 0; i < kCellDirections; ++i)
       d[static_cast<std::size_t>(i)] = glm::normalize(shared::cell_direction(i));
     return d;

@@ -38,7 +38,7 @@ glm::mat3 cell_frame(const glm::vec3& normal, const CellRotation& turn = {});
 struct CellDirection {
   CellDirection(const glm::vec3& direction);  // NOLINT(google-explicit-constructor): a direction is one
   operator const glm::vec3&() const { return d; }
-  glm::vec3 d;
+  glm::vec3 d{};
   glm::vec2 azimuth{0.0f};  ///< unit; 0 along the normal
   float elevation = 0.0f;   ///< continuous index
 };

@@ -117,8 +117,8 @@ class BrickCells {
                      std::vector<CellReflectance>* reflectance) const {
     struct Group {
       int material;
-      glm::vec3 color;
-      glm::dvec3 normal;
+      glm::vec3 color{};
+      glm::dvec3 normal{};
     };
     std::vector<Group> groups;
     for (CellSample& s : *points) {

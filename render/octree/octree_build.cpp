@@ -182,9 +182,9 @@ class Builder {
   /// A triangle prepared for interpolation.
   struct Face {
     std::uint32_t v[3];
-    glm::dvec3 p[3];
-    glm::dvec3 normal;  ///< its length is twice the area
-    double square;      ///< of that
+    glm::dvec3 p[3]{};
+    glm::dvec3 normal{};  ///< its length is twice the area
+    double square;        ///< of that
   };
   Face face_of(std::uint32_t first_index) const {
     Face face;
@@ -358,7 +358,7 @@ class Builder {
   }
 
   struct Box {
-    glm::vec3 low, high;
+    glm::vec3 low{}, high{};
   };
   const OctreeSource& source_;
   const OctreeGrid& grid_;

@@ -10,7 +10,7 @@ namespace maquette {
 /// Convex polygon. Six clips of a triangle by axis planes give at most nine corners.
 struct ClipPolygon {
   static constexpr int kMaxCorners = 12;
-  glm::dvec3 corners[kMaxCorners];
+  glm::dvec3 corners[kMaxCorners]{};
   int count = 0;
 };
 

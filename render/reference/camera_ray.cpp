@@ -36,7 +36,7 @@ class CameraRay::Splitter {
  private:
   struct Branch {
     Ray ray;
-    glm::vec3 weight;
+    glm::vec3 weight{};
     int splits;
     bool straight;  ///< not reflected: the camera's own line of sight
   };

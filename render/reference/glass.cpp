@@ -86,7 +86,7 @@ GlassSample refract_or_mirror(const glm::vec3& direction, const glm::vec3& facet
   sample.direction = direction + facet * (2.0f * cosine);
   sample.weight = glm::vec3(1.0f);
   if (other < 0.0f) return sample;  // total internal reflection
-  glm::vec3 reflected;
+  glm::vec3 reflected{};
   for (int c = 0; c < 3; ++c) reflected[c] = faces.share * shared::fresnel_surface(outside, faces.index[c]);
   const float probability = std::clamp(largest(reflected), 0.0f, 1.0f);
   sample.passed = choice >= probability;

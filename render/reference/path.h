@@ -41,7 +41,7 @@ class CameraRay {
   class Splitter;
   struct Surface {
     SurfacePoint point;
-    glm::vec3 weight;
+    glm::vec3 weight{};
     bool straight;
   };
   const PathScene& scene_;

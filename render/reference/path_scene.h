@@ -62,8 +62,8 @@ struct TracedMaterial {
 };
 
 struct EnvironmentLookup {
-  glm::vec3 radiance;  ///< stored units, bilinear
-  int x, y;            ///< texel whose cell contains the direction
+  glm::vec3 radiance{};  ///< stored units, bilinear
+  int x, y;              ///< texel whose cell contains the direction
 };
 
 /// The environment in its own frame (rotation undone), stored units.
@@ -83,7 +83,7 @@ struct TracedEnvironment {
 
 /// A ray as it was given to the ray tracer.
 struct LoggedRay {
-  glm::vec3 origin, direction;
+  glm::vec3 origin{}, direction{};
   float near, far;
   bool shadow;  ///< any hit ends it
 };
@@ -95,11 +95,11 @@ struct EmbreeRelease {
 
 /// What a hit needs of its triangle, in two cache lines; a pane on the way of a ray needs only the first.
 struct alignas(64) TracedTriangle {
-  std::array<glm::vec3, 3> normals;
-  glm::vec3 geometric;     ///< unit normal by winding
+  std::array<glm::vec3, 3> normals{};
+  glm::vec3 geometric{};   ///< unit normal by winding
   std::uint32_t material;  ///< material index and the flag kBothSides
   std::uint32_t source;    ///< index of the triangle in the geometry
-  std::array<glm::vec3, 3> positions;
+  std::array<glm::vec3, 3> positions{};
 };
 
 /// Flag in TracedTriangle::material: camera rays see the back face too.

@@ -31,7 +31,7 @@ struct ShadowRay {
   std::uint32_t choice;  ///< index into the choices, of shadow rays to the sky
   ScatteringQuery query;
   RayPassage passage;
-  glm::vec3 through;
+  glm::vec3 through{};
   bool above;  ///< above the horizon
 };
 

@@ -10,9 +10,9 @@ namespace maquette {
 
 /// A direction of the environment, sampled by the plain importance.
 struct alignas(32) PresampledDirection {
-  glm::vec3 direction;  ///< world, unit
-  float density;        ///< 1/sr, of the plain importance
-  glm::vec3 radiance;   ///< cd/m2
+  glm::vec3 direction{};  ///< world, unit
+  float density;          ///< 1/sr, of the plain importance
+  glm::vec3 radiance{};   ///< cd/m2
 };
 
 /// Directions towards the environment, sampled before paths need them. For each leaf of the partition, the unit square

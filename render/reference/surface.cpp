@@ -91,12 +91,12 @@ class TextureReader {
 
 /// Factors of the material after its textures.
 struct Factors {
-  glm::vec3 base_color, emission;
+  glm::vec3 base_color{}, emission{};
   float metallic, roughness, clearcoat, clearcoat_roughness, specular;
-  glm::vec3 specular_color, sheen_color;
+  glm::vec3 specular_color{}, sheen_color{};
   float sheen_roughness, occlusion, pane, thickness, anisotropy, film, film_nm;
-  glm::vec2 along;                ///< direction of the anisotropy in the tangent plane
-  glm::vec3 mapped, coat_mapped;  ///< normals of the textures
+  glm::vec2 along{};                  ///< direction of the anisotropy in the tangent plane
+  glm::vec3 mapped{}, coat_mapped{};  ///< normals of the textures
 
   Factors(const TracedMaterial& m, const glm::vec3& color)
       : base_color(color),
@@ -309,7 +309,7 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
 
 PaneShares shares_of_pane(float cosine, const shared::PaneFaces& faces, const glm::vec3& inside) {
   if (!shared::is_plain(faces)) return shared::pane_shares(cosine, faces, inside);
-  PaneShares shares;
+  PaneShares shares{};
   for (int c = 0; c < 3; ++c) {
     if (c > 0 && inside[c] == inside[c - 1]) {
       shares.reflected[c] = shares.reflected[c - 1];
@@ -379,7 +379,7 @@ glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm:
 
 glm::vec3 offset_from_surface(const glm::vec3& position, const glm::vec3& error, const glm::vec3& normal) {
   const glm::vec3 moved = position + normal * glm::dot(glm::abs(normal), error);
-  glm::vec3 result;
+  glm::vec3 result{};
   for (int c = 0; c < 3; ++c) result[c] = next_float(moved[c], (normal[c] > 0.0f ? 1 : 0) - (normal[c] < 0.0f ? 1 : 0));
   return result;
 }

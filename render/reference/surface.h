@@ -72,7 +72,7 @@ PaneShares shares_of_pane(float cosine, const shared::PaneFaces& faces, const gl
 /// The reflected and the transmitted ray of a pane that was hit at `p`, with their shares.
 struct PaneRays {
   Ray mirrored, passed;
-  PaneShares shares;
+  PaneShares shares{};
 };
 
 PaneRays rays_of_pane(const SurfacePoint& p, const Ray& ray);

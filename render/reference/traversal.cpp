@@ -45,8 +45,8 @@ RayHit triangle_of(const PathScene& scene, const MeshHit& h) {
 
 struct Candidate {
   std::uint32_t triangle;
-  glm::vec2 barycentric;
-  glm::vec3 direction;
+  glm::vec2 barycentric{};
+  glm::vec3 direction{};
 };
 
 Candidate candidate_of(const PathScene& scene, const RTCFilterFunctionNArguments* args) {

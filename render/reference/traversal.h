@@ -45,9 +45,9 @@ struct RayPassage {
   static constexpr std::uint32_t kMostPanes = 8;  ///< not yet computed
   struct Pane {
     std::uint32_t triangle;
-    glm::vec2 barycentric;
+    glm::vec2 barycentric{};
   };
-  glm::vec3 transmittance;  ///< without the panes below
+  glm::vec3 transmittance{};  ///< without the panes below
   std::uint32_t pane_count;
   std::array<Pane, kMostPanes> panes;
 };

@@ -39,7 +39,7 @@ class Skipping {
 
  private:
   struct Lobe {
-    shared::AnalyticMaterial material;
+    shared::AnalyticMaterial material{};
     LobeBound bound;
   };
   /// Index in `lobes` of the bound of a material's lobe, which is added.

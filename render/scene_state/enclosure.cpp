@@ -24,7 +24,7 @@ struct Coverage {
 };
 
 struct Triangle {
-  std::array<glm::vec3, 3> corners;  ///< relative to the eye
+  std::array<glm::vec3, 3> corners{};  ///< relative to the eye
   bool double_sided;
 };
 
@@ -33,7 +33,7 @@ struct Triangle {
 glm::vec3 cell_direction(int face, float column, float row) {
   const float u = 2.0f * column / static_cast<float>(kSide) - 1.0f;
   const float v = 2.0f * row / static_cast<float>(kSide) - 1.0f;
-  glm::vec3 d;
+  glm::vec3 d{};
   d[face / 2] = face % 2 == 0 ? 1.0f : -1.0f;
   d[(face / 2 + 1) % 3] = u;
   d[(face / 2 + 2) % 3] = v;

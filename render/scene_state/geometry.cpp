@@ -185,8 +185,8 @@ class InstanceWriter {
   }
 
   const Primitive& source_;
-  glm::mat4 world_;
-  glm::dmat3 linear_;
+  glm::mat4 world_{1.0f};
+  glm::dmat3 linear_{1.0};
   bool mirrored_;
   TextureRef mapped_;
   DrawItem item_;

@@ -14,13 +14,13 @@ class PathScene;
 /// The rays of a point towards what lights it, with the light that each brings if nothing is in between: as in
 /// shaders/shadow_rays/draw.comp.
 struct PointRays {
-  glm::vec3 position;
+  glm::vec3 position{};
   std::uint32_t triangle;  ///< + 1; 0: no point
-  glm::vec3 sun;
+  glm::vec3 sun{};
   std::uint32_t to_sun;
-  glm::vec3 lamp;
+  glm::vec3 lamp{};
   std::uint32_t to_lamp;
-  glm::vec3 sky;
+  glm::vec3 sky{};
   std::uint32_t to_sky;
   float lamp_m, mapped;
   std::uint32_t pixel, base_color;

@@ -230,7 +230,7 @@ std::string check_second_uvs(const FlatGeometry& g, std::size_t index) {
   std::vector<std::array<glm::dvec2, 3>> at;
   bool differs = false;
   for (std::uint32_t i = item.first_index; i + 2 < item.first_index + item.index_count; i += 3) {
-    std::array<glm::dvec2, 3> corners;
+    std::array<glm::dvec2, 3> corners{};
     for (std::uint32_t k = 0; k < 3; ++k) {
       const glm::vec2& uv = g.uv1[g.indices[i + k]];
       if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return "a coordinate is not finite";

@@ -130,7 +130,7 @@ std::vector<std::array<glm::dvec2, 3>> project(const std::vector<ChartTriangle>&
   const glm::dvec3 x = any_across(axis), y = glm::cross(axis, x);
   std::vector<std::array<glm::dvec2, 3>> at;
   for (int i : members) {
-    std::array<glm::dvec2, 3> corners;
+    std::array<glm::dvec2, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::dvec3& p = all[static_cast<std::size_t>(i)].corners[k];
       corners[k] = {glm::dot(p, x), glm::dot(p, y)};

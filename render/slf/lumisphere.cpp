@@ -133,7 +133,7 @@ Lumisphere::Sample Lumisphere::draw(int index, const glm::vec2& uv) const {
   const float share = bin.running[c + 1] - bin.running[c];
   if (!(share > 0.0f)) return {};
   const float within = std::clamp((uv.x - bin.running[c]) / share, 0.0f, 1.0f);
-  glm::vec2 p;
+  glm::vec2 p{};
   p.x = low(bin.cell % side_) + step * (static_cast<float>(c) + within) / kColumns;
   const Column at = column(bin, p.x);
   if (!(at.high > at.low)) return {};

@@ -33,7 +33,7 @@ LightResponse integrate(const SurfacePoint& point, const DirectionSpline& spline
   const Lumisphere& lumisphere = spline.lumisphere();
   const int bins = lumisphere.count();
   struct Incident {
-    glm::vec3 direction;
+    glm::vec3 direction{};
     float weight;
     std::array<DirectionSpline::Share, 9> shares;
   };

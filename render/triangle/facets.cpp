@@ -38,7 +38,7 @@ float measure_margin(const Corner (&corners)[3], const Corner (&middles)[3], con
 /// Bounding box on screen, and the margin in barycentrics. False outside the picture.
 bool project_to_screen(const Corner (&corners)[3], const FrameConstants& frame, Facet* facet) {
   const glm::vec2 size(frame.size), pixel = 2.0f / size;
-  glm::vec2 low(1e30f), high(-1e30f), at[3];
+  glm::vec2 low(1e30f), high(-1e30f), at[3]{};
   for (int k = 0; k < 3; ++k) {
     const glm::vec4 clip = frame.clip_from_world * glm::vec4(corners[k].position, 1.0f);
     if (clip.w <= 1e-6f) return true;  // surrounds the eye: the whole picture, unknown margin

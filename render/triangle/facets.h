@@ -12,7 +12,7 @@ namespace maquette {
 
 /// One triangle of a reflector for the eye of this frame.
 struct Facet {
-  mirror::TriangleMirror mirror;
+  mirror::TriangleMirror mirror{};
   Beam beam;
   /// Sides of the mirrored frustum, one along each edge: p is outside where
   /// dot(side, (p, 1)) > widening |p - beam.base|.

@@ -5,7 +5,7 @@ namespace maquette {
 namespace {
 
 struct Split {
-  glm::vec3 value, rest;
+  glm::vec3 value{}, rest{};
 };
 
 Split split(const glm::dvec3& v) {
@@ -19,7 +19,7 @@ mirror::TriangleMirror make_triangle_mirror(const glm::vec3 (&vertices)[3], cons
   const glm::dvec3 t1(vertices[0]), e1 = glm::dvec3(vertices[1]) - t1, e2 = glm::dvec3(vertices[2]) - t1;
   const glm::dvec3 d1(directions[0]), f1 = glm::dvec3(directions[1]) - d1, f2 = glm::dvec3(directions[2]) - d1;
   const glm::dvec3 n0 = glm::cross(e1, e2), n1 = glm::cross(e1, f2) + glm::cross(f1, e2), n2 = glm::cross(f1, f2);
-  mirror::TriangleMirror m;
+  mirror::TriangleMirror m{};
   m.t1 = vertices[0];
   m.e1 = glm::vec3(e1);
   m.e2 = glm::vec3(e2);

@@ -74,7 +74,7 @@ ScenePointer build_triangles(RTCDevice device, const Triangles& triangles, RTCFi
 /// 200 jittered bakes: RMS of the sky fraction 1.4 % (centres), 2.3 % (jitter by vertex); difference between neighbours
 /// 1.7 %, 3.2 %; shadow of a sun 0.14, 0.19.
 struct CellDirections {
-  std::array<glm::vec3, kDirectionCount> direction;
+  std::array<glm::vec3, kDirectionCount> direction{};
   CellDirections() {
     for (int b = 0; b < kDirectionCount; ++b) {
       direction[static_cast<std::size_t>(b)] =
@@ -86,8 +86,8 @@ struct CellDirections {
 /// The ray of a cell. It starts on the side of the surface that the cell belongs to, and is mirrored to that side when
 /// the cell's direction lies across the surface.
 struct CellRay {
-  glm::vec3 origin;
-  glm::vec3 direction;
+  glm::vec3 origin{};
+  glm::vec3 direction{};
 };
 
 CellRay make_ray(const VisibilityPoint& at, const glm::vec3& w) {

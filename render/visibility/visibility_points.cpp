@@ -180,7 +180,7 @@ void place_origins(VisibilityPoints* points) {
 
 /// Solid angle of a cell over pi, and its centre. The map projects the sphere to the octahedron |x| + |y| + |z| = 1.
 struct CellWeight {
-  glm::vec3 direction;
+  glm::vec3 direction{};
   double share;
 };
 

@@ -190,7 +190,7 @@ DirectionWeights DirectionMesh::find(const glm::vec3& direction) const {
     return std::clamp(static_cast<int>((v * 0.5f + 0.5f) * kGridSide), 0, kGridSide - 1);
   };
   const int start = grid_[static_cast<std::size_t>(cell(direction.y) * kGridSide + cell(direction.x))];
-  glm::vec3 weights;
+  glm::vec3 weights{};
   const int t = walk(start, direction, &weights);
   if (t < 0) return nearest_on_border(direction);
   const std::array<int, 3>& corners = triangles_[static_cast<std::size_t>(t)];

@@ -59,7 +59,7 @@ Projected to_screen(ReflectionPoint r, bool certified) {
   v.in_front = clip.w > 1e-6;
   v.at = (0.5 * vec2(clip.x, -clip.y) / clip.w + 0.5) * vec2(u_frame.size.xy);
   v.x = r.x;
-  v.along_m = r.length - length(r.position - reflector_eye());
+  v.along_m = r.length_m - length(r.position - reflector_eye());
   v.height = r.height;
   // A stationary path that is not a minimum is an image too, and where the law of reflection nearly holds its position is known.
   v.status = r.status == kReflectionLost && r.residual < kImageTolerance ? kReflectionInside : r.status;

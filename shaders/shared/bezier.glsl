@@ -74,7 +74,7 @@ const Real kRounding = Real(2.0e-7f);
 // Terms of Newton's method at one point: the path length, its gradient, and its Hessian in two parts. `spread` comes from the two
 // distances and is positive semidefinite; `bend` comes from the surface's curvature and is negative on the concave side.
 struct PathTerms {
-  Real length;
+  Real length_m;
   Real eye_distance, object_distance;
   vec2 gradient;
   vec3 spread, bend;  // xx, xy, yy
@@ -114,7 +114,7 @@ MAQUETTE_FN PathTerms path_terms(SurfaceJet jet, vec3 eye, vec3 p) {
   if (sa - b_along > Real(1.0f)) t.along = (t.cosines * (cb + ca) + t.across * t.across) / (sa - b_along);
   vec2 ta = vec2(dot(jet.dx, ua), dot(jet.dy, ua)), tb = vec2(dot(jet.dx, ub), dot(jet.dy, ub));
   vec3 metric = vec3(dot(jet.dx, jet.dx), dot(jet.dx, jet.dy), dot(jet.dy, jet.dy));
-  t.length = la + lb;
+  t.length_m = la + lb;
   t.eye_distance = la;
   t.object_distance = lb;
   t.gradient = vec2(dot(jet.dx, tangent) * t.along + dot(jet.dx, side) * t.across,
@@ -206,7 +206,7 @@ struct ReflectionPoint {
   vec2 x;
   vec3 position;
   vec3 normal;    // unit, towards the eye
-  Real length;    // of the path, m
+  Real length_m;    // of the path, m
   Real height;    // of the object above the tangent plane, m; negative behind
   Real residual;  // of the reflection law, rad
   int steps;      // of Newton's method, the mirror steps among them
@@ -226,7 +226,7 @@ MAQUETTE_FN ReflectionPoint describe(SurfaceJet jet, PathTerms t, vec3 eye, vec3
   r.x = x;
   r.position = jet.p;
   r.normal = n;
-  r.length = t.length;
+  r.length_m = t.length_m;
   r.height = dot(p - jet.p, n);
   r.residual = law_error(t);
   r.steps = 0;
@@ -337,7 +337,7 @@ struct BezierStart {
   vec2 x;
   Real distance2;  // squared displacement that the plane mirror of the node predicts, m^2
   vec2 shortest;   // node of the shortest path
-  Real length;
+  Real length_m;
   Real side;       // of the patch that reflects: nodes that show their other side to the eye come last
   bool certified;
 };
@@ -349,7 +349,7 @@ MAQUETTE_FN BezierStart no_start(Real side) {
   BezierStart s;
   s.side = side;
   s.x = s.shortest = vec2(Real(0.0f));
-  s.distance2 = s.length = Real(1.0e30f);
+  s.distance2 = s.length_m = Real(1.0e30f);
   s.certified = true;
   return s;
 }
@@ -368,8 +368,8 @@ MAQUETTE_FN BezierStart consider_node(BezierStart best, BezierNode node, vec3 ey
     best.x = clamp(node.x + limited(vec2(dot(d, node.dual_x), dot(d, node.dual_y)), Real(0.75f)), vec2(-kDomain), vec2(kDomain));
   }
   Real path = length(a) + lb + (seen ? Real(0.0f) : Real(1.0e6f));
-  if (path < best.length) {
-    best.length = path;
+  if (path < best.length_m) {
+    best.length_m = path;
     best.shortest = node.x;
   }
   best.certified = best.certified && is_before_focus(node, lb);

@@ -76,7 +76,7 @@ Rays shadow_rays(EmbreeRays* embree, const shared::OctreeFrame& frame, const glm
   Rays rays;
   for (int tries = 0; static_cast<int>(rays.records.size()) < kRays && tries < 20 * kRays; ++tries) {
     const glm::vec3 d = direction();
-    glm::vec3 n;
+    glm::vec3 n{};
     const float t = embree->trace(eye, d, &n);
     if (t < 0.0f) continue;
     if (glm::dot(n, d) > 0.0f) n = -n;

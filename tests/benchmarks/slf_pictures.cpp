@@ -65,7 +65,7 @@ class PartCells {
   }
 
   const LightFieldAtlas& atlas_;
-  glm::ivec2 low_, high_;
+  glm::ivec2 low_{}, high_{};
   std::vector<bool> shown_;
 };
 

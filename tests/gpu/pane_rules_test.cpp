@@ -101,10 +101,10 @@ TEST_F(PaneRules, SpecularChangesWhatFacesReflect) {
     const float share = textured ? 0.6f * 128.0f / 255.0f : 0.6f;
     Stage stage(m, &behind);
     stage.add_image(1, 1, {255, 255, 255, 128});
-    glm::vec3 face;
+    glm::vec3 face{};
     for (int c = 0; c < 3; ++c) face[c] = share * std::pow(0.8f / 2.8f, 2.0f) * m.specular_color[c];
     const float passes = 1.0f - face.z;  // the largest of them
-    glm::vec3 value;
+    glm::vec3 value{};
     for (int c = 0; c < 3; ++c) {
       const float through = passes * passes / (1.0f - face[c] * face[c]);
       value[c] = face[c] * (1.0f + through) * 2.0f + through * kWall[c];

@@ -21,8 +21,8 @@ const std::filesystem::path kCases = std::filesystem::path(MAQUETTE_SOURCE_DIR) 
 struct SharedCase {
   const char* file;
   bool black_sky;  ///< else of radiance 1
-  glm::ivec2 pixel;
-  glm::vec3 value;  ///< cd/m2; of a view: what it shows
+  glm::ivec2 pixel{};
+  glm::vec3 value{};  ///< cd/m2; of a view: what it shows
   float tolerance;
   const char* view = "";
   std::string camera = {};  ///< of the file; else the one of the folder's README

@@ -80,8 +80,8 @@ class SharedFormulas : public ::testing::Test {
 
 TEST_F(SharedFormulas, VisibilityReadsTheSameBits) {
   struct Case {
-    glm::vec4 direction;
-    glm::uvec4 words[5];  // 18 of them
+    glm::vec4 direction{};
+    glm::uvec4 words[5]{};  // 18 of them
   };
   std::vector<Case> cases(4000);
   for (Case& c : cases) {
@@ -114,8 +114,8 @@ TEST_F(SharedFormulas, VisibilityReadsTheSameBits) {
 
 TEST_F(SharedFormulas, LightsSampleTheSame) {
   struct Case {
-    LightRecord light;
-    glm::vec4 point, u;
+    LightRecord light{};
+    glm::vec4 point{}, u{};
   };
   static_assert(sizeof(Case) == 96);
   std::vector<Case> cases(4000);

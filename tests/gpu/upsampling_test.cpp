@@ -199,7 +199,7 @@ class TapByTap {
     const int s = 1 << level_;
     const double length = std::hypot(dx, dy) * s;
     double w[4];
-    glm::dvec3 v[4];
+    glm::dvec3 v[4]{};
     for (int k = 0; k < 4; ++k) {
       const int steps = (2 * k - 3) * s;
       w[k] = weight(x, y, x + steps * dx, y + steps * dy, length * (k == 0 || k == 3 ? 3.0 : 1.0));

@@ -234,7 +234,7 @@ TEST(MeasureDashboard, ASectionPlaneCutsWhatIsMeasured) {
   };
   const RegionValues whole = region(measured_view("reference"), std::nullopt);
   struct Case {
-    glm::vec4 section;
+    glm::vec4 section{};
     bool cuts_pane, opens_sky;
   };
   for (const Case& c : {Case{{1, 0, 0, 0.1f}, true, false}, Case{{0, 0, -1, -0.7f}, true, false},

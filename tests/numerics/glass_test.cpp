@@ -31,7 +31,7 @@ Material glass(float thickness, float roughness) {
 }
 
 struct SlabView {
-  glm::vec3 origin, direction;
+  glm::vec3 origin{}, direction{};
   explicit SlabView(double degrees) {
     const double t = degrees * kDegree;
     origin = glm::vec3(2.0 * std::sin(t), 2.0 * std::cos(t), 0.0);

@@ -69,7 +69,7 @@ TEST(LocalBandwidth, BandLimitedSignalsReadNoMore) {
   int above = 0, windows = 0;
   for (int trial = 0; trial < 200; ++trial) {
     const double limit = floor + 0.25 * u(random);
-    std::array<glm::dvec3, 6> waves;
+    std::array<glm::dvec3, 6> waves{};
     for (glm::dvec3& wave : waves) wave = {limit * u(random), 2.0 * std::numbers::pi * u(random), u(random)};
     const Image image = make_picture(32, 32, [&](int x, int) {
       double sum = 10.0;

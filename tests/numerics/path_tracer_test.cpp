@@ -41,7 +41,7 @@ namespace {
 
 /// The floor y = 0, seen from `degrees` off its normal at the origin.
 struct FloorView {
-  glm::vec3 origin, direction;
+  glm::vec3 origin{}, direction{};
   explicit FloorView(double degrees) {
     const double t = degrees * kDegree;
     const glm::dvec3 wo(std::sin(t), std::cos(t), 0.0);

@@ -49,7 +49,7 @@ TEST(BezierReflection, DerivativeIsThatOfTheReflectionPoint) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   int compared = 0;
   for (int n = 0; n < 400; ++n) {
-    std::array<glm::dvec3, 16> points;
+    std::array<glm::dvec3, 16> points{};
     const double curvature = 0.3 * uniform(random);
     for (std::size_t k = 0; k < 16; ++k) {
       const double x = static_cast<double>(k % 4) / 1.5 - 1.0, y = static_cast<double>(k / 4) / 1.5 - 1.0;
@@ -81,7 +81,7 @@ TEST(BezierReflection, DerivativeIsThatOfTheReflectionPoint) {
 
 /// A bowl of radius 1 seen from a distance of 2 focuses at 2 / 3: an object beyond is marked, one before is not.
 TEST(BezierReflection, CausticIsDetected) {
-  std::array<glm::dvec3, 16> points;
+  std::array<glm::dvec3, 16> points{};
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t i = 0; i < 4; ++i) {
       const double x = 0.3 * (static_cast<double>(i) / 1.5 - 1.0), y = 0.3 * (static_cast<double>(j) / 1.5 - 1.0);
@@ -101,7 +101,7 @@ TEST(BezierReflection, CausticIsDetected) {
 }
 
 TEST(BezierReflection, BadPatchesAreReportedAndStayFinite) {
-  std::array<glm::dvec3, 16> points;
+  std::array<glm::dvec3, 16> points{};
   points.fill({1.0, 2.0, 3.0});
   EXPECT_TRUE(make_reflector_patch(points).degenerate);
   for (std::size_t k = 0; k < 16; ++k)
@@ -119,7 +119,7 @@ TEST(BezierReflection, BadPatchesAreReportedAndStayFinite) {
     if (n % 11 == 0) p = eye;
     for (const ReflectorNodes& side : make_reflector_nodes(patch, glm::dvec3(eye))) {
       const auto r = reflection_point(patch.single, eye, p, best_start(side, eye, p), true);
-      ASSERT_TRUE(std::isfinite(r.x.x + r.x.y + r.length + r.position.x + r.position.y + r.position.z));
+      ASSERT_TRUE(std::isfinite(r.x.x + r.x.y + r.length_m + r.position.x + r.position.y + r.position.z));
     }
   }
 }

@@ -58,8 +58,8 @@ std::vector<NamedTable> adversarial_tables() {
 
 /// View and normal in the half vector's frame: azimuth 0, along x, is that of the view.
 struct View {
-  glm::dvec3 wo;
-  glm::dvec2 azimuth;
+  glm::dvec3 wo{};
+  glm::dvec2 azimuth{};
 };
 
 View view_at(double theta, double phi) {

@@ -31,7 +31,7 @@ TEST(BrdfLanes, MatchTheSharedFormulas) {
   shared::BrdfSampler sampler(none);
   for (int round = 0; round < 20000; ++round) {
     BrdfLanes lanes;
-    std::array<glm::vec3, BrdfLanes::kCount> wi, wo;
+    std::array<glm::vec3, BrdfLanes::kCount> wi{}, wo{};
     for (std::size_t i = 0; i < BrdfLanes::kCount; ++i) {
       wo[i] = awkward_direction(&random, {0.0f, 0.0f, 1.0f});
       wi[i] = awkward_direction(&random, wo[i]);

@@ -53,7 +53,7 @@ TEST(Clusters, NoSphereIsMissedThatARayMeets) {
     const float spread = std::pow(10.0f, -4.0f + 4.5f * uniform(random)),
                 size = std::pow(10.0f, -3.0f + 3.0f * uniform(random));
     const glm::vec3 middle = vector(), axis = glm::normalize(vector());
-    std::array<glm::vec3, 3> origins, directions;
+    std::array<glm::vec3, 3> origins{}, directions{};
     for (std::size_t k = 0; k < 3; ++k) {
       origins[k] = middle + size * vector();
       directions[k] = glm::normalize(axis + spread * vector());

@@ -90,7 +90,7 @@ TEST(CubePyramid, GivesTheMeanOfEachTexelUnderAnyRotation) {
   const CubeDirections cube(16);
   const glm::dvec3 axis = glm::normalize(glm::dvec3(0.3, 0.8, -0.5));
   const double angle = 25.0 * std::numbers::pi / 180.0;
-  glm::dmat3 tilted;
+  glm::dmat3 tilted{1.0};
   for (int k = 0; k < 3; ++k) {
     glm::dvec3 e(0.0);
     e[k] = 1.0;

@@ -104,7 +104,7 @@ inline double total_area(const OctreeBricks& bricks) {
 }
 
 struct Box {
-  glm::dvec3 low, high;
+  glm::dvec3 low{}, high{};
   std::uint32_t node;
   int level;
 };

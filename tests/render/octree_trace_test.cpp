@@ -79,7 +79,7 @@ std::vector<shared::OctreeRay> hard_rays(const Octree& octree, int count, unsign
     ray.direction = glm::vec3(u(random), u(random), u(random));
     const int kind = i % 10;
     const auto on_grid = [&] {
-      glm::vec3 p;
+      glm::vec3 p{};
       for (int a = 0; a < 3; ++a)
         p[a] = octree.corner[a] + side *
                                       static_cast<float>(static_cast<int>(random() % static_cast<unsigned>(grid + 1))) /

@@ -302,7 +302,7 @@ TEST(PatchFit, PartsOfAPatchAreThePatch) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (int k = 0; k < 100; ++k) {
-    std::array<glm::dvec3, 16> points;
+    std::array<glm::dvec3, 16> points{};
     for (glm::dvec3& p : points) p = {uniform(random), uniform(random), uniform(random)};
     glm::dvec4 within(uniform(random), uniform(random), 0.0, 0.0);
     within.z = within.x + 1e-3 + std::abs(uniform(random));

@@ -108,7 +108,7 @@ TEST_F(LoadedReciprocity, OfARoughTable) {
 
 struct Lobe {
   std::string name;
-  analytic::AnalyticMaterial material;
+  analytic::AnalyticMaterial material{};
 };
 
 std::vector<Lobe> lobes() {

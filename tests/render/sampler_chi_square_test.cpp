@@ -49,7 +49,7 @@ struct HalfBins {
 
 struct AnalyticCase {
   std::string name;
-  sampled::AnalyticMaterial material;
+  sampled::AnalyticMaterial material{};
 };
 
 std::vector<AnalyticCase> analytic_cases() {

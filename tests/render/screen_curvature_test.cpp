@@ -12,7 +12,7 @@ namespace {
 
 /// Change of position and normal per pixel along x and y.
 struct Local {
-  glm::dvec3 step_x, step_y, turn_x, turn_y;
+  glm::dvec3 step_x{}, step_y{}, turn_x{}, turn_y{};
 };
 
 /// Cycles of (a, b) pixels by the operators of the one-bounce chain: nu_theta (angle + 2 turn) + nu_surface step.

@@ -37,7 +37,7 @@ double solid_angle_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3
 
 struct TriangleCase {
   const char* name;
-  glm::dvec3 a, b, c;  ///< m, seen from the origin
+  glm::dvec3 a{}, b{}, c{};  ///< m, seen from the origin
 };
 
 /// Checks that directions to a triangle have the stated density and hit it at the stated point.

@@ -26,7 +26,7 @@ float value_towards(const VisibilitySides& sides, std::size_t side, const glm::v
 /// Expected content of a side, cell by cell: cells below the horizon repeat, in three rows, the nearest neighbour with
 /// a known value.
 std::array<bool, 256> obvious_side(const VisibilityBits& bits, const glm::vec3& n) {
-  std::array<glm::vec3, 256> direction;
+  std::array<glm::vec3, 256> direction{};
   std::array<bool, 256> known{}, side{};
   for (int b = 0; b < 256; ++b) {
     const auto i = static_cast<std::size_t>(b);

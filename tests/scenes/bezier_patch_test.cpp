@@ -15,9 +15,9 @@ glm::dvec3 casteljau(std::array<glm::dvec3, 4> p, double t) {
 }
 
 glm::dvec3 point_of(const BezierPatch& patch, double u, double v) {
-  std::array<glm::dvec3, 4> column;
+  std::array<glm::dvec3, 4> column{};
   for (std::size_t row = 0; row < 4; ++row) {
-    std::array<glm::dvec3, 4> points;
+    std::array<glm::dvec3, 4> points{};
     for (std::size_t i = 0; i < 4; ++i) points[i] = glm::dvec3(patch.points[4 * row + i]);
     column[row] = casteljau(points, u);
   }

@@ -41,7 +41,7 @@ const Primitive& part(const Scene& scene, const std::string& name) {
 double height_over(const Primitive& surface, double x, double z) {
   double highest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
-    Vec3 p[3];
+    Vec3 p[3]{};
     for (std::size_t k = 0; k < 3; ++k) p[k] = Vec3(surface.positions[surface.indices[i + k]]);
     const auto area = [](double ax, double az, double bx, double bz) { return ax * bz - az * bx; };
     const double whole = area(p[1].x - p[0].x, p[1].z - p[0].z, p[2].x - p[0].x, p[2].z - p[0].z);

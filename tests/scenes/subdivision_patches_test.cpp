@@ -58,7 +58,7 @@ glm::dvec3 bezier(const std::array<glm::dvec3, 16>& points, const glm::dvec2& x)
     const double s = 1.0 - t;
     return s * s * s * a + 3.0 * s * s * t * b + 3.0 * s * t * t * c + t * t * t * d;
   };
-  std::array<glm::dvec3, 4> rows;
+  std::array<glm::dvec3, 4> rows{};
   for (std::size_t j = 0; j < 4; ++j)
     rows[j] = cubic(points[4 * j], points[4 * j + 1], points[4 * j + 2], points[4 * j + 3], 0.5 * x.x + 0.5);
   return cubic(rows[0], rows[1], rows[2], rows[3], 0.5 * x.y + 0.5);

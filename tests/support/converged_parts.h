@@ -13,8 +13,8 @@ namespace maquette::test {
 
 /// The square between four texel centres, and the radiance that is removed from it: bilinear between the corners.
 struct BrightCell {
-  glm::vec4 corner;    ///< xy: the upper left texel's column and row, of the map
-  glm::vec4 light[4];  ///< rgb, stored units: upper left, upper right, lower left, lower right
+  glm::vec4 corner{};    ///< xy: the upper left texel's column and row, of the map
+  glm::vec4 light[4]{};  ///< rgb, stored units: upper left, upper right, lower left, lower right
 };
 
 /// The environment as a sum: one part to be rendered, one to be integrated exactly, from the original texels rather

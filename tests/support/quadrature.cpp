@@ -89,7 +89,7 @@ Moments EnvironmentMoments::bilinear_moments(double x, double y, double side) co
   const double h = 0.5 * side;
   const double low =
       0.25;  // corners are taken inside the cell, so that the lookup's floor cannot round across its edge
-  glm::dvec3 corner[4];
+  glm::dvec3 corner[4]{};
   for (int k = 0; k < 4; ++k) {
     corner[k] = radiance(x + side * (low + 0.5 * (k & 1)), y + side * (low + 0.5 * (k >> 1)));
   }
@@ -298,7 +298,7 @@ class Integrator {
 
   const EnvironmentMoments& environment_;
   const std::function<glm::dvec3(const glm::dvec3&)>& weight_;
-  glm::dvec3 normal_, focus_;
+  glm::dvec3 normal_{}, focus_{};
   std::vector<Cell> cells_;
   std::priority_queue<std::pair<double, std::size_t>> order_;
   glm::dvec3 value_{0.0};

@@ -18,7 +18,7 @@ namespace {
 constexpr double kOffset = 2e-6;
 
 struct Element {
-  glm::dvec3 corners[3];
+  glm::dvec3 corners[3]{};
   glm::dvec3 normal{0.0};
   std::uint32_t triangle = 0;
 };
@@ -55,7 +55,7 @@ glm::dvec3 cosine_direction(const glm::dvec3& n, double u, double v) {
 
 /// Irradiance from a triangle of unit radiance, clipped to the horizon. Source: Baum et al. 1989, Eq. 5 (Lambert 1760).
 double triangle_irradiance(const glm::dvec3& p, const glm::dvec3& n, const std::array<glm::dvec3, 3>& corners) {
-  std::array<glm::dvec3, 5> polygon;
+  std::array<glm::dvec3, 5> polygon{};
   std::size_t count = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const glm::dvec3 a = corners[k] - p, b = corners[(k + 1) % 3] - p;

@@ -10,7 +10,7 @@ namespace maquette::test {
 
 /// A Lambertian triangle, visible and emitting on the side of cross(b - a, c - a).
 struct DiffuseTriangle {
-  glm::dvec3 corners[3];
+  glm::dvec3 corners[3]{};
   glm::dvec3 albedo{0.0};
   glm::dvec3 emission{0.0};  ///< radiance
 };
@@ -25,8 +25,8 @@ struct RadiosityOptions {
 };
 
 struct SurfaceHit {
-  glm::dvec3 position, normal;  ///< geometric normal, unit
-  glm::dvec3 albedo, emission;
+  glm::dvec3 position{}, normal{};  ///< geometric normal, unit
+  glm::dvec3 albedo{}, emission{};
   bool front = false;  ///< hit on the visible side
 };
 

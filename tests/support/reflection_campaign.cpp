@@ -57,8 +57,8 @@ std::optional<Patch> random_patch(Random& random) {
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t i = 0; i < 4; ++i)
       if (i + j >= 2) add(i, j, uneven * (random.uniform(-1.0, 1.0) * ez + random.uniform(-0.3, 0.3) * ex));
-  std::array<std::array<glm::dvec3, 4>, 4> rows;
-  std::array<glm::dvec3, 16> points;
+  std::array<std::array<glm::dvec3, 4>, 4> rows{};
+  std::array<glm::dvec3, 16> points{};
   for (std::size_t j = 0; j < 4; ++j) rows[j] = bernstein({c[4 * j], c[4 * j + 1], c[4 * j + 2], c[4 * j + 3]});
   for (std::size_t i = 0; i < 4; ++i) {
     const std::array<glm::dvec3, 4> column = bernstein({rows[0][i], rows[1][i], rows[2][i], rows[3][i]});
@@ -163,7 +163,7 @@ std::vector<bezier_double::ReflectionPoint> exhaustive_minima(const Setup& setup
           std::any_of(found.begin(), found.end(), [&](const auto& other) { return glm::length(other.x - r.x) < 0.02; });
       if (!known) found.push_back(r);
     }
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.length < b.length; });
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.length_m < b.length_m; });
   return found;
 }
 
@@ -195,7 +195,7 @@ bool judge(const Setup& setup, const glm::dvec3& p, BezierCampaign* out) {
   }
   const auto r = reflection_point(setup.patch.single, eye, object, start, setup.nodes.careful);
   ++out->cases;
-  if (!std::isfinite(r.x.x + r.x.y + r.position.x + r.position.y + r.position.z + r.length)) ++out->not_finite;
+  if (!std::isfinite(r.x.x + r.x.y + r.position.x + r.position.y + r.position.z + r.length_m)) ++out->not_finite;
   const auto minima = exhaustive_minima(setup, p);
   if (too_near_or_grazing(setup, glm::dvec2(r.x), p)) return true;
   const bool inside = r.status == bezier_float::kReflectionInside && on_side(setup, glm::dvec2(r.x));
@@ -211,7 +211,7 @@ bool judge(const Setup& setup, const glm::dvec3& p, BezierCampaign* out) {
     const double law = inside ? law_error_rad(setup, glm::dvec2(r.x), p) : 3.2;
     // The same point, by its parameter or, where the minimum is flat, by the path length.
     const bool same = inside && (glm::length(glm::dvec2(r.x) - minima[0].x) < 0.02 ||
-                                 static_cast<double>(r.length) < minima[0].length * (1.0 + 1e-6));
+                                 static_cast<double>(r.length_m) < minima[0].length_m * (1.0 + 1e-6));
     if (!same) {
       ++out->wrong;
       note_failure("wrong", setup, p, r, out);

@@ -25,7 +25,7 @@ using Vec = glm::vec<3, Long, glm::defaultp>;
 constexpr Long kSimple = 1e3L;
 
 struct Case {
-  glm::vec3 vertices[3], directions[3], object;
+  glm::vec3 vertices[3]{}, directions[3]{}, object{};
 };
 
 glm::dvec3 mirrored(const glm::dvec3& eye, const glm::dvec3& t, const glm::dvec3& n) {
@@ -37,7 +37,7 @@ glm::dvec3 mirrored(const glm::dvec3& eye, const glm::dvec3& t, const glm::dvec3
 Case random_case(Random& random) {
   const int kind = static_cast<int>(random.uniform(0.0, 8.0));
   const double size = random.log_uniform(1e-3, 1.0);
-  glm::dvec3 t[3], n[3];
+  glm::dvec3 t[3]{}, n[3]{};
   const glm::dvec3 center = random.uniform(0.0, 3.0) * random.direction();
   const glm::dvec3 ex = random.direction(), ez = glm::normalize(glm::cross(ex, random.direction())),
                    ey = glm::cross(ez, ex);
@@ -52,7 +52,7 @@ Case random_case(Random& random) {
   const double phi = random.uniform(0.0, 6.283185307179586), sine = std::sqrt(1.0 - cosine * cosine);
   const glm::dvec3 eye =
       center + random.log_uniform(0.05, 10.0) * (cosine * ez + sine * (std::cos(phi) * ex + std::sin(phi) * ey));
-  glm::dvec3 d[3];
+  glm::dvec3 d[3]{};
   for (int i = 0; i < 3; ++i) d[i] = kind == 4 ? random.direction() : mirrored(eye, t[i], n[i]);
   if (kind == 5) d[2] = glm::normalize(0.5 * (d[0] + d[1]) + random.log_uniform(1e-8, 1e-3) * random.direction());
   const double k = random.log_uniform(1e-3, 10.0);

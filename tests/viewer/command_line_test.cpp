@@ -191,9 +191,21 @@ TEST(CommandLine, WrongValuesAreNamed) {
   }
 }
 
+TEST(CommandLine, AFileAloneIsViewed) {
+  for (const std::string scene : {"car.glb", "car.gltf", "builtin:seat", "cars/one", "./render"}) {
+    const CommandLine line = parse({scene, "--mode", "uniform"});
+    EXPECT_EQ(line.command, "view") << scene;
+    EXPECT_EQ(line.options.scene, scene);
+    EXPECT_EQ(line.options.mode, "uniform") << scene;
+  }
+  const CommandLine review = parse({"car.maquette.json"});
+  EXPECT_EQ(review.command, "view");
+  EXPECT_EQ(review.options.review, "car.maquette.json");
+  EXPECT_TRUE(contains(usage_error({"car.glb", "other.glb"}), "one argument too many"));
+}
+
 TEST(CommandLine, CommandsAreChecked) {
   EXPECT_TRUE(contains(usage_error({"rendr"}), "did you mean render?"));
-  EXPECT_TRUE(contains(usage_error({"car.glb"}), "maquette view car.glb"));
   EXPECT_TRUE(contains(usage_error({"compare", "a.exr"}), "A.exr B.exr"));
   EXPECT_TRUE(contains(usage_error({"inspect"}), "FILE"));
   EXPECT_TRUE(contains(usage_error({"render"}), "--output"));

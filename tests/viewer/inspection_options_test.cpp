@@ -29,6 +29,17 @@ TEST(InspectionOptions, ButtonsPutTheEyeWhereTheCommandDoes) {
   EXPECT_NEAR(glm::distance(0.5 * (left + right), own), 0.0, 1e-9);
 }
 
+TEST(InspectionOptions, TheEyeKeepsTheDirectionOfTheCamera) {
+  const VehicleAxes axes = vehicle_axes("-z,-x,+y");
+  CameraView camera;
+  camera.eye = {1.0f, 2.0f, 3.0f};
+  camera.target = {0.25f, 1.5f, 4.0f};
+  const CameraView at = camera_at_eye(camera, {0.36, 1.1, -0.3}, axes);
+  EXPECT_NEAR(glm::distance(at.eye, glm::vec3(0.36f, 1.1f, -0.3f)), 0.0f, 1e-6f);
+  EXPECT_NEAR(glm::distance(at.target - at.eye, camera.target - camera.eye), 0.0f, 1e-6f);
+  EXPECT_EQ(at.up, glm::vec3(axes.up));
+}
+
 TEST(InspectionOptions, ConditionsAreThoseOfTheCommand) {
   InspectionView view;
   EXPECT_FALSE(measure_options_of(view).night);

@@ -9,6 +9,7 @@
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
+#include "viewer/inspection_options.h"
 #include "viewer/interrupt.h"
 #include "viewer/measure/measure_run.h"
 #include "viewer/measure/scene_edits.h"
@@ -57,12 +58,11 @@ struct NamedEye {
 
 /// Looks from the eye at what the camera of the options looks at, without one at the pane's middle.
 CameraView view_from(const glm::dvec3& eye, const Scene& scene, const SceneOptions& options, const VehicleAxes& axes) {
-  CameraView view = camera_of_options(scene, options);
-  const glm::vec3 ahead = view.target - view.eye;
-  view.eye = glm::vec3(eye);
+  const CameraView camera = camera_of_options(scene, options);
+  CameraView view = camera_at_eye(camera, eye, axes);
   view.section = options.section.value_or(glm::vec4(0.0f));
-  if (!options.target) view.target = view.eye + ahead;
-  if (!options.up) view.up = glm::vec3(axes.up);
+  if (options.target) view.target = camera.target;
+  if (options.up) view.up = camera.up;
   return view;
 }
 

@@ -30,7 +30,7 @@ bool is_flat(const Imf::Header& header) {
   return !header.hasType() || header.type() == Imf::SCANLINEIMAGE || header.type() == Imf::TILEDIMAGE;
 }
 
-bool is_read(std::string_view name) {
+bool is_read_channel(std::string_view name) {
   static constexpr std::array<std::string_view, 7> kRead = {"R", "G", "B", "A", "Y", "RY", "BY"};
   return std::find(kRead.begin(), kRead.end(), name) != kRead.end();
 }
@@ -96,7 +96,7 @@ class Finder {
       const std::size_t dot = full.rfind('.');
       const std::string layer = dot == std::string::npos ? "" : full.substr(0, dot);
       const std::string last = dot == std::string::npos ? full : full.substr(dot + 1);
-      if (!is_read(last)) continue;
+      if (!is_read_channel(last)) continue;
       const ExrChannel channel{p, full, it.channel().xSampling, it.channel().ySampling};
       const std::string own_name = file_.parts() > 1 ? part + (layer.empty() ? "" : ":" + layer) : layer;
       insert(&of_part_, std::to_string(p) + ":" + layer, {layer, own_name, {}}, last, channel);

@@ -52,7 +52,7 @@ Material unlit(const glm::vec3& radiance) {
 
 /// Mode and reflector technique.
 using Drawer = std::pair<std::string, std::string>;
-FrameRequest request_of(const Drawer& drawer, const std::string& glossy) {
+FrameRequest glossy_request(const Drawer& drawer, const std::string& glossy) {
   FrameRequest r;
   r.mode = drawer.first;
   r.width = r.height = 64;
@@ -161,7 +161,7 @@ TEST_P(Glossy, ASphereShowsAClosedRoomOfKnownRadiance) {
   for (const auto& [resolution, margin, least] :
        {std::tuple("full", 0.12, 800), std::tuple("half", 0.3, 500), std::tuple("quarter", 0.55, 200)}) {
     SCOPED_TRACE(resolution);
-    FrameRequest request = request_of(GetParam(), "0.3");
+    FrameRequest request = glossy_request(GetParam(), "0.3");
     request.settings.set_from_text("reflections.resolution", resolution);
     const Drawn with = draw(request);
     EXPECT_TRUE(has_pass(with.stats, "glossy"));
@@ -201,7 +201,7 @@ TEST_P(Glossy, WhereAllIsWhiteNothingCountsTwice) {
       test::constant_sky(1.0f));
   for (const char* visibility : {"baked", "traced"}) {
     SCOPED_TRACE(visibility);
-    FrameRequest request = request_of(GetParam(), "0.3");
+    FrameRequest request = glossy_request(GetParam(), "0.3");
     request.samples = 256;
     request.settings.set_from_text("shading.visibility", visibility);
     const Image image = draw(request).picture;
@@ -228,7 +228,7 @@ TEST_P(Glossy, ASphereInARoomIsNearerToThePathTracer) {
   const auto sky =
       test::sky_of(64, 32, [](const glm::dvec3& d) { return glm::dvec3(1.0, 1.0, 1.2) * (1.0 + 0.7 * d.x); });
   set(scene, sky);
-  FrameRequest request = request_of(GetParam(), "0.3");
+  FrameRequest request = glossy_request(GetParam(), "0.3");
   request.samples = 256;
   request.settings.set_from_text("reflections.samples", "128");
   const Image with = draw(request, request.reflections == "octree" ? 1 : 16).picture;
@@ -266,7 +266,7 @@ TEST_P(Glossy, ASphereInARoomIsNearerToThePathTracer) {
 TEST_P(Glossy, WhatIsNotNeededCostsNothing) {
   const auto wall = [](int) { return test::matte(glm::vec3(0.6f)); };
   set(room_with_sphere(5, wall, metal(glm::vec3(0.9f), 0.2f)), test::constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam(), "0.3");
+  FrameRequest request = glossy_request(GetParam(), "0.3");
   FrameRequest off = request;
   off.reflections = "off";
   const Image plain = draw(off).picture;
@@ -301,7 +301,7 @@ TEST_P(Glossy, ShowsWhatChangedWhileItWasOff) {
   const Scene scene = room_with_sphere(5, wall, metal(glm::vec3(0.9f), 0.1f));
   int back = 0;
   while (scene.nodes[static_cast<std::size_t>(back)].mesh != 1) ++back;
-  const FrameRequest request = request_of(GetParam(), "0.3");
+  const FrameRequest request = glossy_request(GetParam(), "0.3");
   FrameRequest none = request;
   none.settings.set_from_text("reflections.glossy", "0");
   const auto hidden_picture = [&](bool draws_before) {
@@ -329,7 +329,7 @@ TEST_P(Glossy, ANamedPartMirrors) {
             "mat");
   scene.materials.push_back(test::matte(glm::vec3(0.5f)));
   set(scene, test::constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam(), "0");
+  FrameRequest request = glossy_request(GetParam(), "0");
   request.reflectors = {"ball"};
   request.camera.fov_y_rad = 1.2f;
   const Drawn named = draw(request);
@@ -365,7 +365,7 @@ TEST_P(Glossy, ANamedPartMirrors) {
 TEST_P(Glossy, NoiseFallsWhileNothingMoves) {
   const auto wall = [](int) { return test::matte(glm::vec3(0.6f)); };
   set(room_with_sphere(5, wall, metal(glm::vec3(0.9f), 0.1f)), test::constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam(), "0.3");
+  FrameRequest request = glossy_request(GetParam(), "0.3");
   request.settings.set_from_text("reflections.samples", "4");
   const auto difference = [&](int frames) {
     request.seed = 1;
@@ -392,7 +392,7 @@ TEST_P(Glossy, LobesBlurAtRest) {
   if (GetParam().second == "octree") return;  // its cones are as wide as the lobe in every frame
   const auto wall = [](int k) { return unlit(k == 0 ? glm::vec3(0.05f) : glm::vec3(1.0f)); };
   set(room_with_sphere(6, wall, metal(glm::vec3(1.0f), 0.3f)), test::constant_sky(1.0f));
-  const FrameRequest request = request_of(GetParam(), "0.3");
+  const FrameRequest request = glossy_request(GetParam(), "0.3");
   const auto steepest = [&](const Image& image) {
     float step = 0.0f;
     for (int y = 1; y < request.height; ++y)

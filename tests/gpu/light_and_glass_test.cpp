@@ -40,7 +40,7 @@ Scene floor_scene() {
 
 Scene box_scene(int walls) { return test::box_scene(walls, 6, matte("wall", 0.5f)); }
 
-FrameRequest request_of(const std::string& mode, const std::string& visibility) {
+FrameRequest lit_request(const std::string& mode, const std::string& visibility) {
   FrameRequest r;
   r.mode = mode;
   r.width = 48;
@@ -65,7 +65,7 @@ Image draw_checked(Renderer* renderer, const FrameRequest& request) {
 /// A ray along the edge between two walls may hit or miss: a few samples in 10,000.
 constexpr double kLeak = 5e-4;
 
-double mean(const Image& image) {
+double mean_radiance(const Image& image) {
   double sum = 0.0;
   for (std::size_t i = 0; i < image.data.size(); i += 4) sum += image.data[i];
   return sum / (static_cast<double>(image.data.size()) / 4.0);
@@ -83,28 +83,28 @@ TEST_P(LightAndGlass, ClosedBoxIsBlackInsideAndOnlyWithVisibility) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(box_scene(6)));
   renderer.set_environment(constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam(), "baked");
+  FrameRequest request = lit_request(GetParam(), "baked");
   request.camera.eye = {0.3f, 0.2f, 0.8f};
   request.camera.target = {0.0f, 0.0f, -1.0f};
-  EXPECT_LT(mean(draw_checked(&renderer, request)), kLeak);
+  EXPECT_LT(mean_radiance(draw_checked(&renderer, request)), kLeak);
   request.settings.set_from_text("shading.visibility", "none");
-  EXPECT_NEAR(mean(draw_checked(&renderer, request)), 0.5, 0.02);
+  EXPECT_NEAR(mean_radiance(draw_checked(&renderer, request)), 0.5, 0.02);
   request.settings.set_from_text("shading.visibility", "auto");  // it closes the eye in
-  EXPECT_LT(mean(draw_checked(&renderer, request)), kLeak);
+  EXPECT_LT(mean_radiance(draw_checked(&renderer, request)), kLeak);
 }
 
 TEST_P(LightAndGlass, OpenPlaneIsTheSameWithVisibility) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(floor_scene()));
   renderer.set_environment(constant_sky(2.0f));
-  FrameRequest request = request_of(GetParam(), "baked");
+  FrameRequest request = lit_request(GetParam(), "baked");
   request.camera.eye = {0.0f, 1.0f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.5f;
-  const double baked = mean(draw_checked(&renderer, request));
+  const double baked = mean_radiance(draw_checked(&renderer, request));
   request.settings.set_from_text("shading.visibility", "none");
   EXPECT_NEAR(baked, 1.0, 0.02);
-  EXPECT_NEAR(baked, mean(draw_checked(&renderer, request)), 0.02);
+  EXPECT_NEAR(baked, mean_radiance(draw_checked(&renderer, request)), 0.02);
 }
 
 /// Under an open-topped box of height 2: the view factor of a 2 x 2 square from a point under its middle. The map's
@@ -114,7 +114,7 @@ TEST_P(LightAndGlass, OpenTopLightsTheFloorByItsViewFactor) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(box_scene(5)));
   renderer.set_environment(constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam(), "baked");
+  FrameRequest request = lit_request(GetParam(), "baked");
   request.samples = 256;
   request.camera.eye = {0.0f, 0.9f, 0.0f};
   request.camera.target = {0.0f, -1.0f, 0.0f};
@@ -123,14 +123,14 @@ TEST_P(LightAndGlass, OpenTopLightsTheFloorByItsViewFactor) {
   const double x = 0.5;  // half side over distance
   const double root = std::sqrt(1.0 + x * x);
   const double corner = 2.0 / (2.0 * 3.14159265358979) * (x / root) * std::atan(x / root);
-  EXPECT_NEAR(mean(draw_checked(&renderer, request)), 0.5 * 4.0 * corner, 0.2 * 0.5 * 4.0 * corner);
+  EXPECT_NEAR(mean_radiance(draw_checked(&renderer, request)), 0.5 * 4.0 * corner, 0.2 * 0.5 * 4.0 * corner);
 }
 
 TEST_P(LightAndGlass, PictureIsDrawnWithoutTheBakeUntilItIsReady) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(box_scene(6)));
   renderer.set_environment(constant_sky(1.0f));
-  const FrameRequest request = request_of(GetParam(), "baked");
+  const FrameRequest request = lit_request(GetParam(), "baked");
   FrameStats stats = renderer.render(request);
   if (stats.plan.shading().visibility == "none") {  // the bake may have been quick
     const auto& out = stats.plan.left_out;
@@ -147,7 +147,7 @@ TEST_P(LightAndGlass, EmptySceneHasNothingToBake) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>());
   renderer.set_environment(constant_sky(2.0f));
-  EXPECT_NEAR(mean(draw_checked(&renderer, request_of(GetParam(), "baked"))), 2.0, 0.01);
+  EXPECT_NEAR(mean_radiance(draw_checked(&renderer, lit_request(GetParam(), "baked"))), 2.0, 0.01);
 }
 
 /// The roof is moved aside: the old bake is used until the new one is ready.
@@ -156,16 +156,16 @@ TEST_P(LightAndGlass, ChangedGeometryIsBakedAgain) {
   Renderer renderer;
   renderer.set_scene(scene);
   renderer.set_environment(constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam(), "baked");
+  FrameRequest request = lit_request(GetParam(), "baked");
   request.camera.eye = {0.0f, 0.9f, 0.0f};
   request.camera.target = {0.0f, -1.0f, 0.01f};
-  EXPECT_LT(mean(draw_checked(&renderer, request)), kLeak);
+  EXPECT_LT(mean_radiance(draw_checked(&renderer, request)), kLeak);
   const Primitive& roof = scene->meshes[5].primitives[0];
   std::vector<glm::vec3> positions = roof.positions;
   for (glm::vec3& p : positions) p.x += 100.0f;
   renderer.update_mesh(5, positions, roof.normals);
   EXPECT_EQ(renderer.render(request).plan.shading().visibility, "baked");
-  EXPECT_GT(mean(draw_checked(&renderer, request)), 0.05);
+  EXPECT_GT(mean_radiance(draw_checked(&renderer, request)), 0.05);
 }
 
 /// E = I cos / d^2 under a point light, and a spot light's axis; a directional light's lux.
@@ -187,14 +187,15 @@ TEST_P(LightAndGlass, PunctualLightsMeetTheClosedForm) {
     Renderer renderer;
     renderer.set_scene(std::make_shared<Scene>(scene));
     renderer.set_environment(constant_sky(0.0f));
-    FrameRequest request = request_of(GetParam(), "none");
+    FrameRequest request = lit_request(GetParam(), "none");
     request.env_scale = 7.0f;  // does not affect the scene's lights
     request.camera.eye = {0.0f, 3.0f, 0.0f};
     request.camera.target = {0.0f, 0.0f, 0.0f};
     request.camera.up = {0.0f, 0.0f, -1.0f};
     request.camera.fov_y_rad = 0.01f;
     const double lux = kind == PunctualLight::Kind::directional ? 10.0 : 10.0 / 4.0;
-    EXPECT_NEAR(mean(draw_checked(&renderer, request)), 0.5 / 3.14159265 * lux, 0.004 * lux) << static_cast<int>(kind);
+    EXPECT_NEAR(mean_radiance(draw_checked(&renderer, request)), 0.5 / 3.14159265 * lux, 0.004 * lux)
+        << static_cast<int>(kind);
   }
 }
 
@@ -209,7 +210,7 @@ TEST_P(LightAndGlass, GlowingSquareMeetsTheClosedForm) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(scene));
   renderer.set_environment(constant_sky(0.0f));
-  FrameRequest request = request_of(GetParam(), "none");
+  FrameRequest request = lit_request(GetParam(), "none");
   request.samples = 256;
   request.camera.eye = {0.0f, 0.8f, 0.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
@@ -218,7 +219,7 @@ TEST_P(LightAndGlass, GlowingSquareMeetsTheClosedForm) {
   const double x = 0.5, root = std::sqrt(1.0 + x * x);
   const double quarter = 2.0 / (2.0 * 3.14159265358979) * (x / root) * std::atan(x / root);
   const double expected = 0.5 * 5.0 * 4.0 * quarter;
-  EXPECT_NEAR(mean(draw_checked(&renderer, request)), expected, 0.02 * expected);
+  EXPECT_NEAR(mean_radiance(draw_checked(&renderer, request)), expected, 0.02 * expected);
 }
 
 /// A lamp almost touching the floor: no sample may be larger than a few times the lamp's radiance.
@@ -231,7 +232,7 @@ TEST_P(LightAndGlass, LampCloseToASurfaceMakesNoFireflies) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(scene));
   renderer.set_environment(constant_sky(0.1f));
-  FrameRequest request = request_of(GetParam(), "none");
+  FrameRequest request = lit_request(GetParam(), "none");
   request.camera.eye = {0.0f, 2.0f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   const Image image = draw_checked(&renderer, request);
@@ -258,7 +259,7 @@ TEST_P(LightAndGlass, DimLampsBesideASurfaceMakeNoFireflies) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(scene));
   renderer.set_environment(constant_sky(0.0f));
-  FrameRequest request = request_of(GetParam(), "none");
+  FrameRequest request = lit_request(GetParam(), "none");
   request.camera.eye = {0.0f, 1.0f, 0.05f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.3f;
@@ -269,7 +270,8 @@ TEST_P(LightAndGlass, DimLampsBesideASurfaceMakeNoFireflies) {
   request.seed = 9;
   const Image converged = draw_checked(&renderer, request);
   EXPECT_LT(brightest(one), 2.0f * brightest(converged));
-  EXPECT_NEAR(mean(one), mean(converged), 0.1 * mean(converged));  // the foot of the strip is interpolated, too
+  EXPECT_NEAR(mean_radiance(one), mean_radiance(converged),
+              0.1 * mean_radiance(converged));  // the foot of the strip is interpolated, too
 }
 
 /// At night a few light samples for 64 of the sky would give only noise.
@@ -285,7 +287,7 @@ TEST_P(LightAndGlass, LampsThatOutshineTheSkyHaveAsManySamples) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(scene));
   renderer.set_environment(constant_sky(1e-3f));
-  FrameRequest request = request_of(GetParam(), "none");
+  FrameRequest request = lit_request(GetParam(), "none");
   request.camera.eye = {0.0f, 0.25f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.3f;
@@ -318,7 +320,7 @@ TEST_P(LightAndGlass, ClearPaneVanishesInAConstantSky) {
     Renderer renderer;
     renderer.set_scene(std::make_shared<Scene>(pane_scene(glm::vec4(1.0f))));
     renderer.set_environment(constant_sky(3.0f));
-    FrameRequest request = request_of(GetParam(), "none");
+    FrameRequest request = lit_request(GetParam(), "none");
     request.msaa = msaa;
     request.camera.eye = {2.0f, 0.5f, 1.0f};
     const Image image = draw_checked(&renderer, request);
@@ -341,11 +343,11 @@ TEST_P(LightAndGlass, PaneMirrorsWhatItsFaceSees) {
   renderer.set_scene(std::make_shared<Scene>(scene));
   renderer.set_environment(constant_sky(3.0f));
   const auto middle = [&](const std::string& visibility, float height_m, float target_m) {
-    FrameRequest request = request_of(GetParam(), visibility);
+    FrameRequest request = lit_request(GetParam(), visibility);
     request.camera.eye = {0.0f, height_m, 0.6f};
     request.camera.target = {0.0f, target_m, 0.0f};
     request.camera.fov_y_rad = 0.3f;
-    return mean(draw_checked(&renderer, request));
+    return mean_radiance(draw_checked(&renderer, request));
   };
   const double above = middle("none", 0.25f, 0.05f), below = middle("none", 0.025f, 0.05f);
   EXPECT_GT(above, 0.2);
@@ -357,7 +359,7 @@ TEST_P(LightAndGlass, TintedPaneTransmitsAndReflectsByFresnel) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(pane_scene(glm::vec4(0.8f, 1.0f, 0.5f, 1.0f))));
   renderer.set_environment(constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam(), "none");
+  FrameRequest request = lit_request(GetParam(), "none");
   request.camera.eye = {2.0f, 0.0f, 2.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.02f;
@@ -384,7 +386,7 @@ TEST_P(LightAndGlass, PaneThatCoversItselfIsDrawnFromBackToFront) {
       std::reverse(indices.begin(), indices.end());
       for (std::size_t i = 0; i + 2 < indices.size(); i += 3) std::swap(indices[i], indices[i + 1]);
     }
-    FrameRequest request = request_of(GetParam(), "none");
+    FrameRequest request = lit_request(GetParam(), "none");
     request.camera.eye = {0.0f, 0.4f, 2.5f};
     Renderer renderer;
     renderer.set_scene(std::make_shared<Scene>(scene));
@@ -412,11 +414,11 @@ TEST_P(LightAndGlass, PanesDoNotOccludeAndHaveDepth) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(scene));
   renderer.set_environment(constant_sky(2.0f));
-  FrameRequest request = request_of(GetParam(), "baked");
+  FrameRequest request = lit_request(GetParam(), "baked");
   request.camera.eye = {0.0f, 1.0f, 0.5f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   request.camera.fov_y_rad = 0.3f;
-  EXPECT_NEAR(mean(draw_checked(&renderer, request)), 1.0, 0.02);
+  EXPECT_NEAR(mean_radiance(draw_checked(&renderer, request)), 1.0, 0.02);
 }
 
 TEST_P(LightAndGlass, BlendedSurfaceCoversByAlpha) {
@@ -429,7 +431,7 @@ TEST_P(LightAndGlass, BlendedSurfaceCoversByAlpha) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(scene));
   renderer.set_environment(constant_sky(4.0f));
-  FrameRequest request = request_of(GetParam(), "none");
+  FrameRequest request = lit_request(GetParam(), "none");
   request.camera.eye = {0.0f, 0.0f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
   EXPECT_NEAR(draw_checked(&renderer, request).at(24, 24, 1), 0.75f * 4.0f + 0.25f * 0.5f * 4.0f, 0.01f);
@@ -446,7 +448,7 @@ TEST_P(LightAndGlass, ResourcesAreReleased) {
     Renderer renderer;
     renderer.set_scene(shared_scene);
     renderer.set_environment(sky);
-    FrameRequest request = request_of(GetParam(), "baked");
+    FrameRequest request = lit_request(GetParam(), "baked");
     request.width = request.height = 8;
     if (round % 5 == 0) {
       draw_checked(&renderer, request);

@@ -79,7 +79,7 @@ std::shared_ptr<Scene> box(int walls) {
   return std::make_shared<Scene>(test::box_scene(walls, 8, test::matte(glm::vec3(0.5f))));
 }
 
-FrameRequest request_of(const std::string& mode) {
+FrameRequest octree_request(const std::string& mode) {
   FrameRequest r;
   r.mode = mode;
   r.width = r.height = 48;
@@ -129,7 +129,7 @@ TEST(OctreeReflections, CellsKnowTheLightBakedByVertex) {
   renderer.set_scene(std::make_shared<Scene>(scene));
   renderer.set_environment(constant_sky(1.0f));
   const auto draw_mirror = [&](const std::string& technique, const std::string& indirect) {
-    FrameRequest request = request_of("uniform");
+    FrameRequest request = octree_request("uniform");
     request.reflections = technique;
     request.camera.eye = {0.1f, 0.1f, 0.9f};
     request.camera.target = {0.0f, 0.0f, -1.0f};
@@ -180,7 +180,7 @@ TEST(OctreeReflections, StayWhileTheCameraLooksAway) {
     renderer.set_scene(std::make_shared<Scene>(scene));
     renderer.set_environment(constant_sky(1.0f));
     renderer.set_interactive(interactive);
-    FrameRequest towards = request_of("splitsum");
+    FrameRequest towards = octree_request("splitsum");
     towards.reflections = "octree";
     towards.camera.eye = {0.1f, 0.1f, 0.5f};
     towards.camera.target = {0.0f, 0.0f, -1.0f};
@@ -206,7 +206,7 @@ TEST_P(TracedVisibility, AClosedBoxIsBlackInside) {
   Renderer renderer;
   renderer.set_scene(box(6));
   renderer.set_environment(constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam());
+  FrameRequest request = octree_request(GetParam());
   request.camera.eye = {0.3f, 0.2f, 0.8f};
   request.camera.target = {0.0f, 0.0f, -1.0f};
   EXPECT_LT(draw_traced(&renderer, request), 1e-3);
@@ -216,7 +216,7 @@ TEST_P(TracedVisibility, OpenPlaneDoesNotShadowItself) {
   Renderer renderer;
   renderer.set_scene(box(1));
   renderer.set_environment(constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam());
+  FrameRequest request = octree_request(GetParam());
   request.camera.eye = {0.0f, 0.0f, 1.0f};
   request.camera.target = {0.0f, -1.0f, 0.0f};
   request.camera.fov_y_rad = 0.4f;
@@ -230,7 +230,7 @@ TEST_P(TracedVisibility, OpenTopLightsTheFloorByItsViewFactor) {
   Renderer renderer;
   renderer.set_scene(box(5));
   renderer.set_environment(constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam());
+  FrameRequest request = octree_request(GetParam());
   request.samples = 256;
   request.camera.eye = {0.0f, 0.9f, 0.0f};
   request.camera.target = {0.0f, -1.0f, 0.0f};
@@ -246,7 +246,7 @@ TEST_P(TracedVisibility, FollowsChangedGeometry) {
   Renderer renderer;
   renderer.set_scene(box(6));
   renderer.set_environment(constant_sky(1.0f));
-  FrameRequest request = request_of(GetParam());
+  FrameRequest request = octree_request(GetParam());
   request.camera.eye = {0.0f, 0.5f, 0.0f};
   request.camera.target = {0.0f, -1.0f, 0.0f};
   request.camera.up = {0.0f, 0.0f, -1.0f};

@@ -49,7 +49,7 @@ Scene mirror_before_wall() {
   return scene;
 }
 
-FrameRequest request_of(const std::string& technique, const std::string& resolution) {
+FrameRequest rays_request(const std::string& technique, const std::string& resolution) {
   FrameRequest r;
   r.mode = "splitsum";
   r.width = 192;
@@ -92,7 +92,7 @@ TEST_F(ReflectorRays, OfACoarselyDrawnPatchAreExact) {
   const std::unique_ptr<Renderer> renderer = make_renderer(scene);
   for (const char* resolution : {"full", "half", "quarter"}) {
     SCOPED_TRACE(resolution);
-    const FrameRequest request = request_of("raytraced", resolution);
+    const FrameRequest request = rays_request("raytraced", resolution);
     renderer->render(request);
     const Image image = renderer->read_debug_view("reflection_distance");
     const double px = 2.0 * std::tan(0.5 * static_cast<double>(request.camera.fov_y_rad)) / image.height;
@@ -121,7 +121,7 @@ TEST_F(ReflectorRays, AJumpOfTheEyeLeavesNothingBehind) {
       {"raytraced", "splitsum"}, {"octree", "splitsum"}, {"octree", "bandwidth"}};
   for (const auto& [technique, mode] : cases) {
     SCOPED_TRACE(std::string(technique) + " " + mode);
-    FrameRequest near = request_of(technique, "half");
+    FrameRequest near = rays_request(technique, "half");
     near.mode = mode;
     FrameRequest far = near;
     far.camera.eye = {2.5f, 1.0f, 2.5f};

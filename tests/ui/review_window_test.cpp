@@ -51,8 +51,8 @@ class ReviewStory : public Story {
   void expect_repeated(const std::string& look) {
     const std::string written = (folder_ / (look + ".exr")).string();
     ASSERT_TRUE(wait_for_file(written));
-    const auto* attribute =
-        Imf::InputFile(written.c_str()).header().findTypedAttribute<Imf::StringAttribute>("maquette.command");
+    const Imf::InputFile picture(written.c_str());
+    const auto* attribute = picture.header().findTypedAttribute<Imf::StringAttribute>("maquette.command");
     ASSERT_TRUE(attribute) << "the picture does not say what repeats it";
     const std::string command = attribute->value(), name = "maquette ";
     ASSERT_EQ(command.find(name), 0u) << command;

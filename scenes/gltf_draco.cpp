@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "scenes/error.h"
+#include "scenes/gltf_file.h"
 
 namespace maquette::gltf {
 namespace {

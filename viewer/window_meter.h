@@ -55,7 +55,6 @@ class WindowMeter {
   std::uint64_t snapshot_revision_ = ~std::uint64_t{0};
   std::shared_ptr<Known> known_ = std::make_shared<Known>();
   BudgetCurves measured_;
-  std::uint64_t measured_revision_ = 0;
   int curve_step_ = -1;  ///< of the mode's quality steps; -1: none is being measured
   BudgetCurve curve_;
   int reflector_step_ = -1;  ///< of the registry's reflector techniques; -1: none is being measured

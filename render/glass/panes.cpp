@@ -186,8 +186,7 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
   constexpr std::size_t kLayerBytes = 48, kHeaderBytes = 16, kMostBytes = std::size_t{1} << 27;
   const int w = frame.size().grid_width(), h = frame.size().grid_height();
   const std::size_t points = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
-  recorded_.emplace();
-  Recorded& r = *recorded_;
+  Recorded& r = recorded_.emplace(Recorded{});
   r.of = now;
   if (std::any_of(drawn.begin(), drawn.end(), [&](std::size_t i) { return kind_of(scene, i).surface; })) return false;
   r.heads = Texture::make_2d("pane layers by point", GL_R32UI, w, h);

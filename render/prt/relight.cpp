@@ -8,7 +8,7 @@
 #include "scenes/btf/half_floats.h"
 #include "scenes/parallel.h"
 
-#if defined(__x86_64__) && defined(__GNUC__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)  // clang 14 cannot ask a processor for f16c
 #include <immintrin.h>
 #define MAQUETTE_F16C 1
 #else

@@ -209,7 +209,8 @@ class Run {
         arriving = trace_light(mesh);
         if (cancel_) return false;
       }
-      const auto [group, view] = places_[b];
+      const std::size_t group = places_[b].group;
+      const int view = places_[b].view;
       const Btf& material = *job_.materials[group];
       const auto table_of = [&](std::size_t v) -> const LightTable& {
         const auto& lights = material.views[v].lights;

@@ -173,18 +173,18 @@ struct ReferencePicture::Impl {
                  picture->mirrors ? &*picture->mirrors : nullptr) {}
 
     /// Adds paths until these pixels of a tile have their number; the results are there after complete().
-    void add(std::span<const std::uint32_t> pixels, std::uint32_t average) {
+    void add(std::span<const std::uint32_t> chosen, std::uint32_t average) {
       std::array<const CameraRay*, kMostInTile> rays{};
       std::uint32_t path = std::numeric_limits<std::uint32_t>::max(), end = 0;
-      for (const std::uint32_t pixel : pixels) {
+      for (const std::uint32_t pixel : chosen) {
         path = std::min(path, picture_.pixels[pixel].count);
         end = std::max(end, picture_.target_of(pixel, average));
       }
       for (; path < end && !halt_(); ++path) {
-        if (count_ + pixels.size() > PathGroup::kMost) complete();
+        if (count_ + chosen.size() > PathGroup::kMost) complete();
         ++tile_;
-        for (std::size_t i = 0; i < pixels.size(); ++i) {
-          const std::uint32_t pixel = pixels[i];
+        for (std::size_t i = 0; i < chosen.size(); ++i) {
+          const std::uint32_t pixel = chosen[i];
           if (path < picture_.pixels[pixel].count || path >= picture_.target_of(pixel, average)) continue;
           const PathSampler sampler = picture_.sampler_of(pixel, path);
           // All paths through a pixel's centre share the camera ray.

@@ -9,7 +9,7 @@
 
 namespace maquette {
 
-class PathScene;
+struct PathScene;
 
 /// The rays of a point towards what lights it, with the light that each brings if nothing is in between: as in
 /// shaders/shadow_rays/draw.comp.

@@ -63,7 +63,7 @@ class ShadowSceneKind final : public BakeKind<ShadowSceneJob, ShadowGeometry> {
     const auto built = build_path_scene(
         {.scene = job.scene, .environment = std::move(black), .variant = job.variant, .geometry = &job.geometry});
     if (task.cancel) return {};
-    return {std::make_shared<const ShadowGeometry>(built, hidden_share_of(*built, job.geometry)), true};
+    return {std::make_shared<const ShadowGeometry>(ShadowGeometry{built, hidden_share_of(*built, job.geometry)}), true};
   }
 };
 

@@ -88,8 +88,8 @@ std::string best_error_text(const Curve& curve, Metric metric, double floor) {
 std::string explain_errors(const Report& report) {
   static constexpr const char* kMeaning[] = {
       "against direct light without shadows, which the technique itself computes; more time makes it smaller",
-      "against all light paths: shadows and indirect light that a technique leaves out stay in it, however long it "
-      "runs",
+      ("against all light paths: shadows and indirect light that a technique leaves out stay in it, however long it "
+       "runs"),
       "of a reflector technique, against a ray for every pixel of every reflector"};
   std::string html = "<p class=\"small\">Errors: ";
   bool first = true;

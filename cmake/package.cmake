@@ -11,6 +11,7 @@ find_program(GZIP gzip REQUIRED)
 add_custom_command(OUTPUT ${generated}/maquette.1.gz ${generated}/changelog.gz
   COMMAND ${GZIP} -9nc ${generated}/maquette.1 > ${generated}/maquette.1.gz
   COMMAND ${GZIP} -9nc ${CMAKE_SOURCE_DIR}/CHANGELOG.md > ${generated}/changelog.gz
+  COMMAND ${GZIP} -9nc ${generated}/changelog.Debian > ${generated}/changelog.Debian.gz
   DEPENDS ${generated}/maquette.1 ${CMAKE_SOURCE_DIR}/CHANGELOG.md VERBATIM)
 add_custom_target(installed_texts ALL DEPENDS ${generated}/maquette.1.gz ${generated}/maquette.bash)
 
@@ -32,6 +33,15 @@ License: Expat
  ${licence}
 ")
 
+string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)
+file(WRITE ${generated}/changelog.Debian
+"maquette (${PROJECT_VERSION}-1) unstable; urgency=medium
+
+  * Made by scripts/package; changelog.gz says what has changed.
+
+ -- The Maquette authors <maquette@users.noreply.github.com>  ${today}
+")
+
 set(from ${CMAKE_SOURCE_DIR}/cmake/package)
 install(FILES ${generated}/maquette.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${generated}/maquette.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME maquette)
@@ -39,21 +49,21 @@ install(FILES ${generated}/_maquette DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/ve
 install(FILES ${from}/maquette.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
 install(FILES ${from}/maquette.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)
 install(FILES ${from}/maquette.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages)
-install(FILES ${generated}/copyright ${generated}/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/maquette)
+install(FILES ${generated}/copyright ${generated}/changelog.gz ${generated}/changelog.Debian.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/maquette)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME maquette)
-set(CPACK_PACKAGE_VENDOR "The Maquette developers")
-set(CPACK_PACKAGE_CONTACT "The Maquette developers <maquette@localhost.localdomain>")
+set(CPACK_PACKAGE_VENDOR "The Maquette authors")
+set(CPACK_PACKAGE_CONTACT "The Maquette authors <maquette@users.noreply.github.com>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "viewer of virtual prototypes in measured materials under real light")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "viewer of virtual prototypes in measured materials under real light
- Maquette loads a glTF scene, first of all a car interior, shades it with
- measured materials under real environments, and says of every picture how
- wrong it is. It keeps design reviews, measures what a windshield reflects, and
- plays camera paths.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Maquette loads a glTF scene, first of all a car interior, shades it with
+measured materials under real environments, and says of every picture how
+wrong it is. It keeps design reviews, measures what a windshield reflects, and
+plays camera paths.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)

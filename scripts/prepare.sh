@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Sourced by scripts/run and scripts/test: installs the missing packages of scripts/packages.txt
+# Sourced by the scripts: installs the missing packages of the lists in scripts/ (packages.txt where none is named)
 # and builds Release into build/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -116,6 +116,10 @@ Section file_section() {
           {{"MAQUETTE_CACHE",
             "folder of derived tables, kept by content; empty: none are kept. Without it "
             "$XDG_CACHE_HOME/maquette or ~/.cache/maquette. It can be removed at any time"},
+           {"MAQUETTE_WINDOW_STATE",
+            "a file that the window writes after each of its frames, for programs that drive it: one line of JSON with "
+            "the frames it has shown, the pictures of the scene it has drawn, how many are averaged in the one shown, "
+            "whether that is still, the events that wait, and the work in the background"},
            {"GLIBC_TUNABLES",
             "the program restarts itself with glibc.malloc.hugetlb=1 added to it, so that memory comes in large "
             "pages; glibc.malloc.hugetlb=0 prevents this, for example for debuggers"},

@@ -30,6 +30,7 @@
 #include "viewer/window_paths.h"
 #include "viewer/window_picture.h"
 #include "viewer/window_session.h"
+#include "viewer/window_state.h"
 #include "viewer/window_stored_light.h"
 #include "viewer/window_thumbnails.h"
 
@@ -73,6 +74,8 @@ class App {
         break;
       }
       glfwSwapBuffers(window_);
+      ++shown_frames_;
+      if (!state_file_.empty()) tell_state();
     }
     remember();
     return 0;
@@ -135,6 +138,20 @@ class App {
     thumbnails_.update(session_, picture_.still() && !compare_.drawing() && !session_.loading());
     note_file();
     host_.end_frame();
+  }
+
+  /// For programs that wait for what they asked.
+  void tell_state() {
+    WindowState state;
+    state.frames = shown_frames_;
+    state.pictures = drawn_frames_;
+    state.averaged = picture_.stats() ? picture_.stats()->accumulated_frames : 0;
+    state.still = picture_.still();
+    state.waiting = inbox_->waiting();
+    for (const BackgroundWork& work : session_.renderer().background_work()) state.work.push_back(work.what);
+    if (const auto file = compare_.picture_in_work()) state.work.push_back(file->what);
+    if (session_.loading()) state.work.emplace_back("loading");
+    write_window_state(state_file_, state);
   }
 
   void draw(double now) {
@@ -430,7 +447,8 @@ class App {
   EditorFacts facts_;
   EditorFrame editor_;
   double last_frame_s_ = 0.0;
-  int drawn_frames_ = 0;
+  const std::string state_file_ = window_state_file();
+  int drawn_frames_ = 0, shown_frames_ = 0;
   bool shown_ = false, drew_ = false, shot_wanted_ = false;
   std::string noted_;  ///< the file that was open in the last frame
 };

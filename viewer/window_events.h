@@ -45,6 +45,7 @@ class Inbox {
   /// the keyboard; `wait`: one is about to get it, and keys wait for that.
   InputBatch next(bool typing, bool wait);
   bool empty() const { return events_.empty(); }
+  int waiting() const { return static_cast<int>(events_.size()); }
 
   std::vector<std::string> dropped;
   double last_event_s = -1e9;

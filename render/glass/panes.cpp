@@ -55,7 +55,7 @@ void clear_colors(GLuint framebuffer) {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-const ShaderVariant kTiles{"glass/tiles.comp", "", {}};
+const ShaderVariant kPaneTiles{"glass/tiles.comp", "", {}};
 
 /// Of an orthographic camera far behind, as no point of its rays is the eye of all.
 glm::vec3 eye_for_order(const FrameContext& frame) {
@@ -109,7 +109,7 @@ PaneKind kind_of(const PaneScene& scene, std::size_t item) {
 
 std::vector<ShaderVariant> Panes::shader_variants() {
   using Reflected = PaneKind::Reflected;
-  std::vector<ShaderVariant> variants{kTiles};
+  std::vector<ShaderVariant> variants{kPaneTiles};
   for (const char* visibility : {"none", "baked", "traced"}) {
     ShadingPlan plan;
     plan.visibility = visibility;
@@ -207,7 +207,7 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
     counter_ = TileCounter(r.bare_tiles.counts.size());
     glBindTextureUnit(kUnitPaneHeads, r.heads.get());
     const Program& split =
-        counter_.begin(&frame.programs, kTiles, surfaces.band_rows(), r.covered_tiles, &r.bare_tiles);
+        counter_.begin(&frame.programs, kPaneTiles, surfaces.band_rows(), r.covered_tiles, &r.bare_tiles);
     dispatch_tiles(split, surfaces.tiles(), kPerTile);
     counter_.end(&r.covered_tiles, &r.bare_tiles);
   }

@@ -31,21 +31,21 @@ Eigen::MatrixXf leading_vectors(const Eigen::MatrixXf& x, Eigen::Index count, st
     std::normal_distribution<float> normal;
     Eigen::MatrixXf q(x.cols(), std::min(most, count + kOversampling));
     for (Eigen::Index i = 0; i < q.size(); ++i) q.data()[i] = normal(random);
-    Eigen::MatrixXf left = orthonormal_columns(x * q);
+    Eigen::MatrixXf left = orthonormal_columns(times(x, q));
     for (int round = 0; round < kPowerRounds; ++round)
-      left = orthonormal_columns(x * orthonormal_columns(x.transpose() * left));
-    const Eigen::MatrixXf small = left.transpose() * x;
-    const SymmetricEigen solver((small * small.transpose()).cast<double>());
-    return left * solver.eigenvectors().rightCols(count).rowwise().reverse().cast<float>();
+      left = orthonormal_columns(times(x, orthonormal_columns(transposed_times(x, left))));
+    const Eigen::MatrixXf small = transposed_times(left, x);
+    const SymmetricEigen solver(times_transposed(small, small).cast<double>());
+    return times(left, solver.eigenvectors().rightCols(count).rowwise().reverse().cast<float>());
   }
   // The smaller of the two Gram matrices, in double, because the eigenvalues are squares.
   const Eigen::MatrixXd wide = x.cast<double>();
   if (x.rows() <= x.cols()) {
-    const SymmetricEigen solver(wide * wide.transpose());
+    const SymmetricEigen solver(times_transposed(wide, wide));
     return solver.eigenvectors().rightCols(count).rowwise().reverse().cast<float>();
   }
-  const SymmetricEigen solver(wide.transpose() * wide);
-  Eigen::MatrixXd vectors = wide * solver.eigenvectors().rightCols(count).rowwise().reverse();
+  const SymmetricEigen solver(transposed_times(wide, wide));
+  Eigen::MatrixXd vectors = times(wide, solver.eigenvectors().rightCols(count).rowwise().reverse());
   const double largest = vectors.col(0).norm();
   Eigen::Index kept = 0;
   for (Eigen::Index c = 0; c < count; ++c) {
@@ -179,7 +179,7 @@ LocalPcaCode LocalPca::encode(const Eigen::VectorXf& x) const { return encode_al
 
 std::vector<LocalPcaCode> LocalPca::encode_all(const Eigen::MatrixXf& x) const {
   const Eigen::MatrixXf scaled = roots_.asDiagonal() * x;
-  const Eigen::MatrixXf products = gathered_.transpose() * scaled;
+  const Eigen::MatrixXf products = transposed_times(gathered_, scaled);
   std::vector<LocalPcaCode> codes(static_cast<std::size_t>(x.cols()));
   std::vector<double> best(codes.size(), std::numeric_limits<double>::infinity());
   Eigen::Index at = 0;

@@ -59,6 +59,11 @@ Eigen::MatrixXf leading(const Eigen::MatrixXd& matrix, Index count) {
   return solver.eigenvectors().rightCols(kept).rowwise().reverse().cast<float>();
 }
 
+/// Of B^T G B.
+double trace_within(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& basis) {
+  return times(transposed_times(basis, gram), basis).trace();
+}
+
 struct Subspace {
   Eigen::MatrixXf basis;  ///< orthonormal columns
   double lost = 0.0;      ///< share of the energy that it does not hold
@@ -70,16 +75,17 @@ Subspace random_subspace(const Eigen::MatrixXf& x, Index count, std::uint32_t se
   std::mt19937 random(seed);
   Eigen::MatrixXf start(x.cols(), std::min({count + kFitOversampling, x.rows(), x.cols()}));
   for (Index i = 0; i < start.size(); ++i) start.data()[i] = static_cast<float>(random()) / 2147483648.0f - 1.0f;
-  Eigen::MatrixXf range = x * start;
+  Eigen::MatrixXf range = times(x, start);
   orthonormalize(&range);
   for (int round = 0; round < kFitPowerRounds; ++round) {
-    range = x * (x.transpose() * range);
+    range = times(x, transposed_times(x, range));
     orthonormalize(&range);
   }
-  const Eigen::MatrixXf small = range.transpose() * x;
+  const Eigen::MatrixXf small = transposed_times(range, x);
   Subspace space;
-  space.basis = range * leading((small * small.transpose()).cast<double>(), count);
-  const double all = x.cast<double>().squaredNorm(), kept = (space.basis.transpose() * x).cast<double>().squaredNorm();
+  space.basis = times(range, leading(times_transposed(small, small).cast<double>(), count));
+  const double all = x.cast<double>().squaredNorm(),
+               kept = transposed_times(space.basis, x).cast<double>().squaredNorm();
   space.lost = all > 0.0 ? std::max(1.0 - kept / all, 0.0) : 0.0;
   return space;
 }
@@ -146,18 +152,18 @@ class LocalPcaFitter {
       for_blocks(count, [&](Index first, Index size) {
         Eigen::MatrixXf x(scaled_.rows(), size);
         for (Index i = 0; i < size; ++i) x.col(i) = scaled_.col((first + i) * step) - mean;
-        parts[static_cast<std::size_t>(first / kBlock)] = x * x.transpose();
+        parts[static_cast<std::size_t>(first / kBlock)] = times_transposed(x, x);
       });
       Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(scaled_.rows(), scaled_.rows());
       for (const Eigen::MatrixXf& part : parts) gram += part.cast<double>();
       lift_ = leading(gram, sketch_);
-      const double all = gram.trace(), kept = (lift_.cast<double>().transpose() * gram * lift_.cast<double>()).trace();
+      const double all = gram.trace(), kept = trace_within(gram, lift_.cast<double>());
       fit_.lost = all > 0.0 ? std::max(1.0 - kept / all, 0.0) : 0.0;
       if (lift_.cols() == 0) lift_ = Eigen::MatrixXf::Identity(scaled_.rows(), 1);
     }
     small_.resize(lift_.cols(), scaled_.cols());
     for_blocks(scaled_.cols(), [&](Index first, Index size) {
-      small_.middleCols(first, size).noalias() = lift_.transpose() * (scaled_.middleCols(first, size).colwise() - mean);
+      small_.middleCols(first, size) = transposed_times(lift_, scaled_.middleCols(first, size).colwise() - mean);
     });
   }
 
@@ -200,7 +206,7 @@ class LocalPcaFitter {
       mean2.push_back(c.mean.squaredNorm());
     }
     for_blocks(small_.cols(), [&](Index first, Index size) {
-      const Eigen::MatrixXf products = gathered.transpose() * small_.middleCols(first, size);
+      const Eigen::MatrixXf products = transposed_times(gathered, small_.middleCols(first, size));
       for (Index i = 0; i < size; ++i) {
         const float own = small_.col(first + i).squaredNorm();
         float best = std::numeric_limits<float>::max();
@@ -235,7 +241,7 @@ class LocalPcaFitter {
       for (Index i = 0; i < x.cols(); ++i)
         x.col(i) = small_.col(members[k][static_cast<std::size_t>(i)]) - cluster.mean;
       const Eigen::MatrixXd wide = x.cast<double>();
-      cluster.basis = leading(wide * wide.transpose(), components);
+      cluster.basis = leading(times_transposed(wide, wide), components);
     });
   }
 
@@ -256,8 +262,8 @@ class LocalPcaFitter {
       for (Index i = 0; i < x.cols(); ++i) x.col(i) = scaled_.col(own[static_cast<std::size_t>(i)]) - means.col(k);
       const Eigen::MatrixXf basis = full_basis(x, clusters_[static_cast<std::size_t>(k)].basis);
       bases.middleCols(k * options_.components, basis.cols()) = basis;
-      const Eigen::MatrixXf w = basis.transpose() * x;
-      x.noalias() -= basis * w;
+      const Eigen::MatrixXf w = transposed_times(basis, x);
+      x -= times(basis, w);
       for (Index i = 0; i < x.cols(); ++i) {
         const Index sample = own[static_cast<std::size_t>(i)];
         if (fit_.owner[static_cast<std::size_t>(sample)] != static_cast<int>(k)) continue;  // of an empty cluster
@@ -273,14 +279,14 @@ class LocalPcaFitter {
   /// Subspace iteration from what the sketch says, then the components in the order of their energy.
   Eigen::MatrixXf full_basis(const Eigen::MatrixXf& x, const Eigen::MatrixXf& small) const {
     if (small.cols() == 0 || x.cols() < 2) return Eigen::MatrixXf(x.rows(), 0);
-    Eigen::MatrixXf basis = lift_ * small;
+    Eigen::MatrixXf basis = times(lift_, small);
     orthonormalize(&basis);
     for (int i = 0; i < kFullIterations; ++i) {
-      basis = x * (x.transpose() * basis);
+      basis = times(x, transposed_times(x, basis));
       orthonormalize(&basis);
     }
-    const Eigen::MatrixXf w = basis.transpose() * x;
-    basis = basis * leading((w * w.transpose()).cast<double>(), basis.cols());
+    const Eigen::MatrixXf w = transposed_times(basis, x);
+    basis = times(basis, leading(times_transposed(w, w).cast<double>(), basis.cols()));
     fix_signs(&basis);
     return basis;
   }

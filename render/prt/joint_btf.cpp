@@ -66,7 +66,7 @@ class TexelSpace {
       const std::uint16_t* halves = btf_.views[v].factors.data() + offset;
       for (Index c = 0; c < terms_; ++c)
         for (Index k = 0; k < kChannels; ++k) factors(c, k) = float_of_half(halves[c * kChannels + k]);
-      const Eigen::MatrixXf y = to_[v] * factors;
+      const Eigen::MatrixXf y = times(to_[v], factors);
       for (Index k = 0; k < kChannels; ++k)
         std::copy_n(y.data() + k * terms_, terms_, columns + k * dimensions() + static_cast<Index>(v) * terms_);
     }
@@ -95,8 +95,8 @@ class SubspaceClusters {
   SubspaceClusters(const Eigen::MatrixXf& samples, int clusters, Index terms) : samples_(samples), terms_(terms) {
     const Index texels = samples.cols() / kChannels;
     const Eigen::MatrixXd wide = samples.cast<double>();
-    const Eigen::MatrixXf lift = leading(wide * wide.transpose(), std::min(kSketch, samples.rows()));
-    small_ = lift.transpose() * samples;
+    const Eigen::MatrixXf lift = leading(times_transposed(wide, wide), std::min(kSketch, samples.rows()));
+    small_ = transposed_times(lift, samples);
     owner_.assign(static_cast<std::size_t>(texels), 0);
     residual_.assign(owner_.size(), 0.0f);
     seed(std::min<Index>(clusters, texels));
@@ -124,7 +124,7 @@ class SubspaceClusters {
       double total = 0.0;
       for (std::size_t i = 0; i < owner_.size(); ++i) {
         const auto x = texel(static_cast<Index>(i));
-        nearest[i] = std::min(nearest[i], (x - line * (line.transpose() * x)).squaredNorm());
+        nearest[i] = std::min(nearest[i], (x - times(line, transposed_times(line, x))).squaredNorm());
         total += static_cast<double>(nearest[i]);
       }
       if (!(total > 0.0)) return;  // fewer distinct texels than clusters
@@ -140,7 +140,7 @@ class SubspaceClusters {
       const float all = x.squaredNorm();
       float best = std::numeric_limits<float>::max();
       for (std::size_t k = 0; k < bases_.size(); ++k) {
-        const float left = all - (bases_[k].transpose() * x).squaredNorm();
+        const float left = all - transposed_times(bases_[k], x).squaredNorm();
         if (left < best) best = left, owner_[static_cast<std::size_t>(i)] = static_cast<Index>(k);
       }
       residual_[static_cast<std::size_t>(i)] = std::max(best, 0.0f);
@@ -153,7 +153,7 @@ class SubspaceClusters {
       Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(small_.rows(), small_.rows());
       for (const Index i : members[k]) {
         const Eigen::MatrixXd x = texel(i).cast<double>();
-        gram += x * x.transpose();
+        gram += times_transposed(x, x);
       }
       bases_[k] = leading(gram, terms);
     });
@@ -167,14 +167,14 @@ class SubspaceClusters {
         for (Index c = 0; c < kChannels; ++c) columns.push_back(kChannels * static_cast<Index>(i) + c);
     if (columns.empty()) return Eigen::MatrixXf::Zero(samples_.rows(), terms_);
     const Eigen::MatrixXf x = samples_(Eigen::all, columns);
-    const Eigen::MatrixXf start = x * (x.transpose() * (lift * bases_[static_cast<std::size_t>(k)]));
+    const Eigen::MatrixXf start = times(x, transposed_times(x, times(lift, bases_[static_cast<std::size_t>(k)])));
     const Eigen::MatrixXf range =
-        start * leading((start.transpose() * start).cast<double>(), start.cols());  // orthogonal, zeros last
+        times(start, leading(transposed_times(start, start).cast<double>(), start.cols()));  // orthogonal, zeros last
     Eigen::MatrixXf unit = range;
     for (Index c = 0; c < unit.cols(); ++c)
       if (const float norm = unit.col(c).norm(); norm > 0.0f) unit.col(c) /= norm;
-    const Eigen::MatrixXf w = unit.transpose() * x;
-    Eigen::MatrixXf basis = unit * leading((w * w.transpose()).cast<double>(), terms_);
+    const Eigen::MatrixXf w = transposed_times(unit, x);
+    Eigen::MatrixXf basis = times(unit, leading(times_transposed(w, w).cast<double>(), terms_));
     for (Index c = 0; c < basis.cols(); ++c)
       if (basis.col(c).sum() < 0.0f) basis.col(c) = -basis.col(c);
     return basis;
@@ -249,7 +249,7 @@ std::shared_ptr<const JointBtf> fit_joint_btf(const Btf& btf, const JointBtfOpti
     Eigen::MatrixXf x(rows, kChannels);
     for (Index t = b * kBlock; t < std::min((b + 1) * kBlock, all) && !cancel; ++t) {
       space.read(static_cast<std::size_t>(t) * stored, x.data());
-      const Eigen::MatrixXf w = bases.transpose() * x;
+      const Eigen::MatrixXf w = transposed_times(bases, x);
       Index best = 0;
       for (Index k = 1; k < joint->clusters; ++k)
         if (w.middleRows(k * terms, terms).squaredNorm() > w.middleRows(best * terms, terms).squaredNorm()) best = k;
@@ -259,7 +259,7 @@ std::shared_ptr<const JointBtf> fit_joint_btf(const Btf& btf, const JointBtfOpti
         for (Index k = 0; k < kChannels; ++k)
           halves[1 + c * kChannels + k] = half_of_float(w(best * terms + c, k) / scale);
       if (t >= finest) continue;
-      const Eigen::MatrixXf left = x - bases.middleCols(best * terms, terms) * w.middleRows(best * terms, terms);
+      const Eigen::MatrixXf left = x - times(bases.middleCols(best * terms, terms), w.middleRows(best * terms, terms));
       lost[static_cast<std::size_t>(t / kBlock)] += static_cast<double>(left.squaredNorm());
       energy[static_cast<std::size_t>(t / kBlock)] += static_cast<double>(x.squaredNorm());
     }

@@ -43,7 +43,7 @@ class RowMerger {
     std::vector<Eigen::MatrixXd> parts(static_cast<std::size_t>(blocks));
     for_blocks(all.cols(), [&](Index first, Index size) {
       const Eigen::MatrixXd x = all.middleCols(first, size).cast<double>();
-      parts[static_cast<std::size_t>(first / kGramBlock)] = x * x.transpose();
+      parts[static_cast<std::size_t>(first / kGramBlock)] = times_transposed(x, x);
     });
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(all.rows(), all.rows());
     for (const Eigen::MatrixXd& part : parts) gram += part;
@@ -51,7 +51,7 @@ class RowMerger {
     const Eigen::MatrixXf turn = solver.eigenvectors().rightCols(kKept).rowwise().reverse().cast<float>();
     Eigen::MatrixXf kept(kKept, all.cols());
     for_blocks(all.cols(), [&](Index first, Index size) {
-      kept.middleCols(first, size).noalias() = turn.transpose() * all.middleCols(first, size);
+      kept.middleCols(first, size) = transposed_times(turn, all.middleCols(first, size));
     });
     return kept;
   }
@@ -97,7 +97,7 @@ class JointFactoriser {
       const Eigen::MatrixXf mix = random_signs(mixed, t.rows(), static_cast<std::uint32_t>(v + 1)) * roots.asDiagonal();
       Eigen::MatrixXf rows(mixed, t.cols());
       for_blocks(t.cols(), [&](Index first, Index size) {
-        rows.middleCols(first, size).noalias() = mix * t.middleCols(first, size);
+        rows.middleCols(first, size) = times(mix, t.middleCols(first, size));
       });
       merger.add(rows);
     }
@@ -138,11 +138,11 @@ class JointFactoriser {
   static Eigen::MatrixXf solver_of(const Eigen::MatrixXf& design) {
     if (design.rows() == 0) return Eigen::MatrixXf(design.cols(), 0);
     const Eigen::MatrixXd wide = design.cast<double>();
-    const SymmetricEigen solver(wide.transpose() * wide);
+    const SymmetricEigen solver(transposed_times(wide, wide));
     const Eigen::ArrayXd values = solver.eigenvalues().array();
     const Eigen::VectorXd inverse = (values > 1e-9 * values.maxCoeff()).select(values.max(1e-300).inverse(), 0.0);
-    return (solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose() * wide.transpose())
-        .cast<float>();
+    const Eigen::MatrixXd scaled = solver.eigenvectors() * inverse.asDiagonal();
+    return times_transposed(times_transposed(scaled, solver.eigenvectors()), wide).cast<float>();
   }
 
   TransferMatrix view(std::size_t v) const {

@@ -16,11 +16,11 @@ namespace maquette {
 namespace {
 
 constexpr int kMostSgLevels = 14;  // sharpness 2, 4, ... 2^14, then the sky itself
-constexpr int kTableSize = 64;
+constexpr int kSgTableSize = 64;
 
 /// The irradiance map comes first, then the ladder, then the unfiltered sky. Lobes narrower than half a texel of the
 /// sky do not filter it.
-std::vector<Image> make_maps(const Environment& environment) {
+std::vector<Image> make_sg_maps(const Environment& environment) {
   const double finest = std::log2(std::max(environment.width, 8) / std::numbers::pi) * 2.0;
   const int levels = std::clamp(static_cast<int>(finest), 1, kMostSgLevels);
   std::vector<float> sharpness;
@@ -34,9 +34,9 @@ std::vector<Image> make_maps(const Environment& environment) {
 class SgTables : public LookupTables {
  public:
   explicit SgTables(const Environment& environment)
-      : maps_("SG maps", make_maps(environment)),
-        reflectance_(upload_table("reflectance", reflectance_table(kTableSize))),
-        albedo_(upload_table("SG albedo", sg_albedo_table(kTableSize))) {}
+      : maps_("SG maps", make_sg_maps(environment)),
+        reflectance_(upload_table("reflectance", reflectance_table(kSgTableSize))),
+        albedo_(upload_table("SG albedo", sg_albedo_table(kSgTableSize))) {}
 
   void update(MaterialStore& materials) override {
     fits_.update(materials.count(), [&](int slot, std::vector<glm::vec4>* texels) {

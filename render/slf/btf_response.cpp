@@ -4,6 +4,8 @@
 #include <map>
 #include <numbers>
 
+#include "scenes/linear_algebra.h"
+
 namespace maquette {
 
 namespace {
@@ -55,17 +57,16 @@ BtfResponse::BtfResponse(const Btf& btf, const DirectionSpline& spline, const Bt
     const BtfView& view = btf.views[static_cast<std::size_t>(v)];
     Eigen::MatrixXf& light = of_mesh[view.lights.get()];
     if (light.size() == 0) light = light_of_bins(*view.lights, spline, turn);
-    using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const Eigen::Map<const RowMajor> weights(view.light_weights.data(), light.rows(), btf.components);
+    const Eigen::Map<const Eigen::MatrixXf> weights(view.light_weights.data(), btf.components, light.rows());
     light_.row(v * terms) = light.colwise().sum();
-    if (btf.components > 0) light_.middleRows(v * terms + 1, btf.components) = weights.transpose() * light;
+    if (btf.components > 0) light_.middleRows(v * terms + 1, btf.components) = times(weights, light);
   }
   Eigen::MatrixXf shares = Eigen::MatrixXf::Zero(static_cast<Eigen::Index>(spline.views().size()), views);
   for (Eigen::Index i = 0; i < shares.rows(); ++i) {
     const DirectionWeights near = btf.view_mesh.find(turn.to_btf(spline.views()[static_cast<std::size_t>(i)]));
     for (int k = 0; k < 3; ++k) shares(i, near.index[static_cast<std::size_t>(k)]) += near.weight[k];
   }
-  views_ = spline.fit() * shares;
+  views_ = times(spline.fit(), shares);
 }
 
 void BtfResponse::apply(std::span<const BtfLookup> at, const std::array<Eigen::MatrixXf, 3>& incident,
@@ -74,7 +75,7 @@ void BtfResponse::apply(std::span<const BtfLookup> at, const std::array<Eigen::M
   const auto texels = static_cast<Eigen::Index>(at.size());
   std::array<Eigen::MatrixXf, 3> light, seen;
   for (std::size_t c = 0; c < 3; ++c) {
-    light[c].noalias() = light_ * incident[c];
+    light[c] = times(light_, incident[c]);
     seen[c].resize(static_cast<Eigen::Index>(views), texels);
   }
   std::vector<glm::vec3> factors(terms);
@@ -89,7 +90,7 @@ void BtfResponse::apply(std::span<const BtfLookup> at, const std::array<Eigen::M
       }
       for (std::size_t c = 0; c < 3; ++c) seen[c](static_cast<Eigen::Index>(v), i) = sum[static_cast<int>(c)];
     }
-  for (std::size_t c = 0; c < 3; ++c) (*out)[c].noalias() = views_ * seen[c];
+  for (std::size_t c = 0; c < 3; ++c) (*out)[c] = times(views_, seen[c]);
 }
 
 Eigen::VectorXf BtfResponse::apply_factors(const Eigen::VectorXf& factors, Eigen::Index channel,

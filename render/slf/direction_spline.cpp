@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/slf/parabolic.h"
+#include "scenes/linear_algebra.h"
 
 namespace maquette {
 
@@ -24,7 +25,7 @@ glm::vec3 spline_weights(float t) {
 
 /// Solves (B^T W B + h) c = (B^T W + h E) f for each unit f, with the trace of the former as unit of `h`.
 Eigen::MatrixXf solve(const Eigen::MatrixXd& b, const Eigen::VectorXd& weights, const Eigen::MatrixXd& held) {
-  Eigen::MatrixXd normal = b.transpose() * weights.asDiagonal() * b, right = b.transpose() * weights.asDiagonal();
+  Eigen::MatrixXd right = b.transpose() * weights.asDiagonal(), normal = times(right, b);
   const double hold = kHold * normal.trace() / static_cast<double>(normal.rows());
   normal.diagonal().array() += hold;
   right += hold * held;

@@ -107,7 +107,7 @@ class Builder {
     std::map<BtfTurn, Eigen::MatrixXf> turned;
     const Eigen::MatrixXf from_means = spline_.from_means(kTurnSamples);
     for (const BtfTurn& turn : codes_.turns)
-      if (turn != BtfTurn() && !turned.contains(turn)) turned[turn] = turned_means(spline_, turn) * from_means;
+      if (turn != BtfTurn() && !turned.contains(turn)) turned[turn] = times(turned_means(spline_, turn), from_means);
     parallel_for(Eigen::Index{0}, texels, [&](Eigen::Index t) {
       const std::span<const float> values = incident_.texel(static_cast<std::size_t>(t));
       const BtfTurn& turn = codes_.turns[static_cast<std::size_t>(t)];
@@ -226,7 +226,7 @@ class Builder {
     for (const LightResponse& response : cluster.responses)
       for (const Eigen::MatrixXf& channel : response.channels) {
         const Eigen::MatrixXd r = channel.cast<double>();
-        light_metric_ += share * r.transpose() * area.asDiagonal() * r;
+        light_metric_ += transposed_times(r, share * area.asDiagonal() * r);
       }
     out_->materials.push_back(std::move(cluster));
   }
@@ -258,7 +258,7 @@ class Builder {
     for (Eigen::Index v = 0; v < views; ++v) {
       const double area = areas[static_cast<std::size_t>(v)];
       const Eigen::MatrixXd l = response.light().middleRows(v * terms, terms).cast<double>();
-      light_metric_ += share * area * l.transpose() * moments[static_cast<std::size_t>(v)] * l;
+      light_metric_ += share * area * times(transposed_times(l, moments[static_cast<std::size_t>(v)]), l);
       measure.segment(3 * v * terms, 3 * terms) *=
           static_cast<float>(area / static_cast<double>(std::max<std::size_t>(count, 1)));
     }

@@ -9,6 +9,7 @@
 #include "render/reference/scattering.h"
 #include "render/slf/texel_materials.h"
 #include "scenes/error.h"
+#include "scenes/linear_algebra.h"
 #include "scenes/parallel.h"
 
 namespace maquette {
@@ -187,7 +188,7 @@ LightTransport::LightTransport(const LightResponse& response, const Lumisphere& 
   }
   norms_ = Eigen::VectorXf::Zero(project_.rows());
   for (std::size_t c = 0; c < 3; ++c) {
-    response_[c] = response.channels[c] * back;
+    response_[c] = times(response.channels[c], back);
     norms_ += response_[c].colwise().squaredNorm().transpose();
   }
   norms_ = norms_.cwiseSqrt();
@@ -202,9 +203,9 @@ std::size_t LightTransport::apply(const std::array<Eigen::MatrixXf, 3>& incident
   if (basis_ == LightBasis::haar) return apply_haar(incident, out);
   for (std::size_t c = 0; c < 3; ++c) {
     if (basis_ == LightBasis::bins)
-      (*out)[c].noalias() += response_[c] * incident[c];
+      (*out)[c] += times(response_[c], incident[c]);
     else
-      (*out)[c].noalias() += response_[c] * (project_ * incident[c]);
+      (*out)[c] += times(response_[c], times(project_, incident[c]));
   }
   return static_cast<std::size_t>(incident[0].cols() * response_[0].cols());
 }
@@ -212,7 +213,7 @@ std::size_t LightTransport::apply(const std::array<Eigen::MatrixXf, 3>& incident
 std::size_t LightTransport::apply_haar(const std::array<Eigen::MatrixXf, 3>& incident,
                                        std::array<Eigen::MatrixXf, 3>* out) const {
   std::array<Eigen::MatrixXf, 3> light;
-  for (std::size_t c = 0; c < 3; ++c) light[c] = project_ * incident[c];
+  for (std::size_t c = 0; c < 3; ++c) light[c] = times(project_, incident[c]);
   const auto count = static_cast<std::size_t>(project_.rows());
   std::vector<std::uint32_t> order(count);
   std::vector<float> worth(count);
@@ -273,7 +274,7 @@ void GroupShader::shade_each(const PathScene& scene, const LightFieldAtlas& atla
     const LightResponse response = compute_response_of_coefficients(p, spline_, kSamples);
     Batch batch = gather(incident_, std::span(&t, 1));
     for (std::size_t c = 0; c < 3; ++c) {
-      batch.out[c].noalias() = spline_.interpolate() * (response.channels[c] * (light * batch.in[c]));
+      batch.out[c] = times(spline_.interpolate(), times(response.channels[c], times(light, batch.in[c])));
       for (Eigen::Index bin = 0; bin < incident_.bins; ++bin)
         out_.radiance(3 * bin + static_cast<Eigen::Index>(c), t) = batch.out[c](bin, 0);
     }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "render/reference/scattering.h"
+#include "scenes/linear_algebra.h"
 #include "scenes/parallel.h"
 
 namespace maquette {
@@ -68,7 +69,7 @@ LightResponse integrate(const SurfacePoint& point, const DirectionSpline& spline
 LightResponse compute_response(const SurfacePoint& point, const DirectionSpline& spline, int samples) {
   LightResponse response = integrate(point, spline, spline.views(), samples);
   const Eigen::MatrixXf light = spline.from_means(samples);
-  for (Eigen::MatrixXf& channel : response.channels) channel = spline.fit() * channel * light;
+  for (Eigen::MatrixXf& channel : response.channels) channel = times(times(spline.fit(), channel), light);
   return response;
 }
 

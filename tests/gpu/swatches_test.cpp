@@ -3,12 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <filesystem>
-#include <thread>
 
 #include "render/gl/context.h"
 #include "tests/scenes/temporary_folder.h"
+#include "tests/support/waiting.h"
 
 namespace maquette {
 namespace {
@@ -34,12 +33,10 @@ TEST_F(Swatched, TablesFromFilesHaveBallsToo) {
   const std::string file = path("own.binary"), gone = path("gone.binary");
   save_merl(file, make_builtin_brdf("matte-white"));
   Swatches swatches;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!(swatches.textures().contains(file) && swatches.textures().contains("builtin:matte-white")) &&
-         std::chrono::steady_clock::now() < end) {
+  test::comes_true([&] {
     swatches.update({gone, file});
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
+    return swatches.textures().contains(file) && swatches.textures().contains("builtin:matte-white");
+  });
   ASSERT_TRUE(swatches.textures().contains(file));
   ASSERT_TRUE(swatches.textures().contains("builtin:matte-white"));
   EXPECT_FALSE(swatches.textures().contains(gone));

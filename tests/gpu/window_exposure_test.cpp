@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <thread>
 
 #include "render/gl/context.h"
 #include "scenes/modelling.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/test_scenes.h"
+#include "tests/support/waiting.h"
 #include "viewer/window_session.h"
 
 namespace maquette {
@@ -42,11 +42,11 @@ class WindowExposure : public test::TemporaryFolder {
   /// The exposure once everything has been read and baked and the picture rests.
   static float settled_ev(WindowSession* session) {
     for (int rests = 0; rests < 8; ++rests) {
-      session->update(false, 0.0);
-      if (session->loading()) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        rests = 0;
-      }
+      EXPECT_TRUE(test::comes_true([&] {
+        session->update(false, 0.0);
+        if (session->loading()) rests = 0;
+        return !session->loading();
+      }));
       session->renderer().finish_background_work(session->make_frame_request(kMeterWidth, kMeterHeight));
       step(session);
     }

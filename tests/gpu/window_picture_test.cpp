@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <thread>
-
 #include "render/gl/context.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/test_scenes.h"
+#include "tests/support/waiting.h"
 #include "viewer/window_session.h"
 
 namespace maquette {
@@ -95,11 +93,12 @@ TEST_F(WindowPictures, WhatABakeBringsIsShownBeforeItsEdgesAreSmoothed) {
   double now_s = 0.0;
   turn(&session, now_s);
   int rested = 0;
-  for (; !session.renderer().background_work().empty(); ++rested) {
-    ASSERT_LT(rested, 20000);
+  ASSERT_TRUE(test::comes_true([&] {
+    if (session.renderer().background_work().empty()) return true;
+    ++rested;
     turn(&session, now_s += 0.5);
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
+    return false;
+  }));
   ASSERT_GT(rested, 4) << "the preview rests meanwhile";
   EXPECT_EQ(turn(&session, now_s += 0.5), kWidth);
   EXPECT_EQ(picture_.drawn().msaa, 1);

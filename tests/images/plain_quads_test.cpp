@@ -13,7 +13,7 @@
 namespace maquette {
 namespace {
 
-constexpr int kSide = 48;
+constexpr int kQuadsSide = 48;
 
 Primitive wall(float z, int material) {
   Primitive p = test::make_grid({-2.0f, -2.0f, z}, {4.0f, 0, 0}, {0, 4.0f, 0}, 8, material);
@@ -49,7 +49,7 @@ void add_texture(Scene* scene) {
 double largest_difference(Renderer& renderer, int msaa, bool accumulate) {
   FrameRequest r;
   r.camera.eye = {0.05f, 0.03f, 2.0f};
-  r.width = r.height = kSide;
+  r.width = r.height = kQuadsSide;
   r.samples = 4;
   r.msaa = msaa;
   r.settings.set_from_text("shading.visibility", "none");

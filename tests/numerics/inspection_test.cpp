@@ -17,7 +17,7 @@
 namespace maquette {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0, kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDegree_rad = std::numbers::pi / 180.0, kInfinity = std::numeric_limits<double>::infinity();
 
 /// The published values were rounded twice, to four decimals and then to three: 0.0975 and 0.0925 became 0.098 and
 /// 0.093.
@@ -26,7 +26,7 @@ TEST(PaneOptics, HaveThePublishedValues) {
     double degrees, surface, pane;
   } published[] = {{45.0, 0.053, 0.098}, {60.0, 0.093, 0.157}, {65.0, 0.124, 0.203}, {70.0, 0.175, 0.275}};
   for (const auto& v : published) {
-    const PaneOptics o = pane_optics(v.degrees * kDegree, 1.52, 1.0);
+    const PaneOptics o = pane_optics(v.degrees * kDegree_rad, 1.52, 1.0);
     EXPECT_NEAR(o.surface.mean(), v.surface, 5.5e-4) << v.degrees;
     EXPECT_NEAR(o.reflected.mean(), v.pane, 5.5e-4) << v.degrees;
     EXPECT_NEAR(o.reflected.mean() + o.transmitted.mean(), 1.0, 1e-12);
@@ -38,7 +38,7 @@ TEST(PaneOptics, EachPolarisationIsTheSumOfItsBounces) {
   std::mt19937 random(36);
   std::uniform_real_distribution<double> angle(0.0, 89.9), index(1.01, 2.4), inner(0.0, 1.0);
   for (int k = 0; k < 500; ++k) {
-    const double theta = angle(random) * kDegree, n = index(random), t = k % 7 == 0 ? 1.0 : inner(random);
+    const double theta = angle(random) * kDegree_rad, n = index(random), t = k % 7 == 0 ? 1.0 : inner(random);
     const long double c = std::cos(static_cast<long double>(theta)), s = std::sin(static_cast<long double>(theta));
     const long double c2 = std::sqrt(1.0L - s * s / (n * n));
     const long double rs = std::pow((c - n * c2) / (c + n * c2), 2), rp = std::pow((n * c - c2) / (n * c + c2), 2);
@@ -85,7 +85,7 @@ TEST(GhostAngle, EqualsAnIndependentTrace) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> angle(5.0, 75.0), distance(0.2, 3.0), wedge(-2e-3, 2e-3), depth(2e-3, 8e-3);
   for (int k = 0; k < 300; ++k) {
-    const GhostView v{angle(random) * kDegree,
+    const GhostView v{angle(random) * kDegree_rad,
                       1.52,
                       depth(random),
                       k % 4 == 0 ? 0.0 : wedge(random),
@@ -94,13 +94,13 @@ TEST(GhostAngle, EqualsAnIndependentTrace) {
     const double traced = static_cast<double>(traced_ghost_angle(v));
     // A hundredth, and a hundredth of an arc minute where both images nearly coincide.
     EXPECT_NEAR(ghost_angle_rad(v), traced, 0.01 * std::abs(traced) + 0.01 * kArcMinute_rad)
-        << v.incidence_rad / kDegree << " " << v.wedge_rad << " " << v.object_m;
+        << v.incidence_rad / kDegree_rad << " " << v.wedge_rad << " " << v.object_m;
   }
 }
 
 TEST(GhostAngle, OfAFlatWedgeAgreesWithItsClosedForm) {
   for (const double degrees : {0.0, 30.0, 45.0, 60.0, 65.0, 70.0}) {
-    const double theta = degrees * kDegree, s = std::sin(theta);
+    const double theta = degrees * kDegree_rad, s = std::sin(theta);
     for (const double alpha : {1e-4, 5e-4, -5e-4}) {
       const double closed = 2.0 * alpha * std::sqrt(1.52 * 1.52 - s * s) / std::cos(theta);
       EXPECT_NEAR(secondary_image_angle_rad(theta, 1.52, 0.005, alpha, kInfinity), closed, 1e-12);
@@ -112,14 +112,14 @@ TEST(GhostAngle, OfAFlatWedgeAgreesWithItsClosedForm) {
                 0.01 * ghost_offset_m(theta, 1.52, 0.005) / 1.25);
   }
   // Published offsets of 5 mm, in mm.
-  EXPECT_NEAR(ghost_offset_m(45.0 * kDegree, 1.52, 0.005), 3.72e-3, 5e-6);
-  EXPECT_NEAR(ghost_offset_m(60.0 * kDegree, 1.52, 0.005), 3.47e-3, 5e-6);
-  EXPECT_NEAR(ghost_offset_m(70.0 * kDegree, 1.52, 0.005), 2.69e-3, 5e-6);
+  EXPECT_NEAR(ghost_offset_m(45.0 * kDegree_rad, 1.52, 0.005), 3.72e-3, 5e-6);
+  EXPECT_NEAR(ghost_offset_m(60.0 * kDegree_rad, 1.52, 0.005), 3.47e-3, 5e-6);
+  EXPECT_NEAR(ghost_offset_m(70.0 * kDegree_rad, 1.52, 0.005), 2.69e-3, 5e-6);
 }
 
 TEST(GhostAngle, VanishesAtTheWedgeThatIsStated) {
   for (const double degrees : {30.0, 50.0, 62.0}) {
-    GhostView v{degrees * kDegree, 1.52, 0.005, 0.0, 0.5, 0.75};
+    GhostView v{degrees * kDegree_rad, 1.52, 0.005, 0.0, 0.5, 0.75};
     const double before = ghost_angle_rad(v);
     v.wedge_rad = wedge_without_ghost_rad(v);
     EXPECT_LT(std::abs(static_cast<double>(traced_ghost_angle(v))), 0.03 * before) << degrees;
@@ -132,7 +132,7 @@ TEST(GhostAngle, VanishesAtTheWedgeThatIsStated) {
 
 TEST(FlatVeil, IsThePublishedEstimate) {
   const auto veil = [](double degrees) {
-    return flat_veil_cdm2(88900.0, 0.75, 0.13, pane_optics(degrees * kDegree, 1.52, 1.0).reflected.mean());
+    return flat_veil_cdm2(88900.0, 0.75, 0.13, pane_optics(degrees * kDegree_rad, 1.52, 1.0).reflected.mean());
   };
   EXPECT_NEAR(veil(60.0), 432.0, 1.5);
   EXPECT_NEAR(veil(65.0), 560.0, 1.5);
@@ -179,7 +179,7 @@ TEST(LightOnPane, UniformSkyAndLoneSun) {
   ASSERT_TRUE(sun.found);
   EXPECT_LT(glm::length(sun.direction - there), 1e-6);
   EXPECT_LT(glm::length(direction_of(sun.elevation_deg, sun.azimuth_deg) - there), 1e-6);
-  const SunPlace turned = find_sun(sky, 20.0 * kDegree);
+  const SunPlace turned = find_sun(sky, 20.0 * kDegree_rad);
   EXPECT_NEAR(turned.azimuth_deg - sun.azimuth_deg, 20.0, 1e-6) << "positive from +Z towards +X";
   EXPECT_NEAR(turned.elevation_deg, sun.elevation_deg, 1e-6);
 }
@@ -190,7 +190,7 @@ TEST(LightOnPane, TheBuiltInSunStandsWhereItIsDeclared) {
   ASSERT_TRUE(sun.found);
   EXPECT_NEAR(sun.elevation_deg, 40.0, 0.3);
   EXPECT_NEAR(sun.azimuth_deg, 50.0, 0.3);
-  EXPECT_NEAR(illuminance_lx(sky, 0.0, 1.0, sun.direction), 127500.0 * std::exp(-0.21 / std::sin(40.0 * kDegree)),
+  EXPECT_NEAR(illuminance_lx(sky, 0.0, 1.0, sun.direction), 127500.0 * std::exp(-0.21 / std::sin(40.0 * kDegree_rad)),
               0.45 * 92000.0)
       << "the sun's own and the sky about it";
 }

@@ -26,7 +26,7 @@ struct NamedTable {
   BrdfTable table;
 };
 
-BrdfTable tabulate(const std::function<double(double, double, double)>& f) {
+BrdfTable grey_table(const std::function<double(double, double, double)>& f) {
   BrdfTable table;
   table.rgb.reserve(kBrdfEntryCount);
   for (int h = 0; h < kThetaHCount; ++h)
@@ -39,19 +39,19 @@ BrdfTable tabulate(const std::function<double(double, double, double)>& f) {
 
 std::vector<NamedTable> adversarial_tables() {
   std::vector<NamedTable> tables;
-  tables.push_back({"black", tabulate([](double, double, double) { return 0.0; })});
-  tables.push_back({"mirror", tabulate([](double h, double, double) { return h < 3e-4 ? 1e6 : 0.0; })});
-  tables.push_back({"two needles", tabulate([](double h, double d, double) {
+  tables.push_back({"black", grey_table([](double, double, double) { return 0.0; })});
+  tables.push_back({"mirror", grey_table([](double h, double, double) { return h < 3e-4 ? 1e6 : 0.0; })});
+  tables.push_back({"two needles", grey_table([](double h, double d, double) {
                       return (h < 3e-4 ? 1e5 : 0.0) + (std::abs(h - 0.6) < 0.01 && d > 1.0 ? 1e3 : 1e-4);
                     })});
-  tables.push_back({"retro", tabulate([](double, double d, double) { return d < 0.1 ? 30.0 : 1e-3; })});
-  tables.push_back({"only grazing", tabulate([](double h, double d, double) { return h + d > 1.5 ? 50.0 : 0.0; })});
-  tables.push_back({"one azimuth", tabulate([](double, double, double p) { return p < 0.02 ? 100.0 : 0.0; })});
+  tables.push_back({"retro", grey_table([](double, double d, double) { return d < 0.1 ? 30.0 : 1e-3; })});
+  tables.push_back({"only grazing", grey_table([](double h, double d, double) { return h + d > 1.5 ? 50.0 : 0.0; })});
+  tables.push_back({"one azimuth", grey_table([](double, double, double p) { return p < 0.02 ? 100.0 : 0.0; })});
   std::mt19937 random(test::test_seed(5));
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   tables.push_back({"noise of 12 decades",
-                    tabulate([&](double, double, double) { return std::pow(10.0, 12.0 * unit(random) - 8.0); })});
-  tables.push_back({"one hot entry", tabulate([](double, double, double) { return 1e-3; })});
+                    grey_table([&](double, double, double) { return std::pow(10.0, 12.0 * unit(random) - 8.0); })});
+  tables.push_back({"one hot entry", grey_table([](double, double, double) { return 1e-3; })});
   tables.back().table.rgb[90 + kPhiDCount * (80 + kThetaDCount * 20)] = glm::vec3(1e6f);
   return tables;
 }

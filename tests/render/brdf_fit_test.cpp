@@ -13,7 +13,7 @@ namespace {
 using namespace maquette;
 
 /// f(theta_h, theta_d, phi_d) at bin centres; hash 0, so that no fit is read from the cache.
-BrdfTable tabulate(const std::function<glm::dvec3(double, double, double)>& f) {
+BrdfTable color_table(const std::function<glm::dvec3(double, double, double)>& f) {
   BrdfTable table;
   table.rgb.reserve(kBrdfEntryCount);
   for (int h = 0; h < kThetaHCount; ++h) {
@@ -28,7 +28,7 @@ BrdfTable tabulate(const std::function<glm::dvec3(double, double, double)>& f) {
 }
 
 BrdfTable ggx_table(const glm::dvec3& diffuse, const glm::dvec3& f0, double alpha) {
-  return tabulate([=](double h, double d, double p) {
+  return color_table([=](double h, double d, double p) {
     const double across = std::sin(h) * std::sin(d) * std::cos(p);
     const double cos_i = std::max(std::cos(h) * std::cos(d) - across, 1e-3),
                  cos_o = std::max(std::cos(h) * std::cos(d) + across, 1e-3);
@@ -65,7 +65,7 @@ TEST(Lobes, SeparateTheMirroringPart) {
       EXPECT_NEAR(std::acos(glm::dot(d, glm::dvec3(-std::sin(theta), 0.0, std::cos(theta)))), 0.0, 0.03 + alpha);
     }
   }
-  const BrdfTable lambert = tabulate([](double, double, double) { return glm::dvec3(0.5 / std::numbers::pi); });
+  const BrdfTable lambert = color_table([](double, double, double) { return glm::dvec3(0.5 / std::numbers::pi); });
   const std::vector<BrdfLobe> dull = compute_lobes(lambert, compute_brdf_tables(lambert));
   EXPECT_LT(dull[25].mirror_albedo.y, 1e-6f);
   EXPECT_GT(mirror_roughness(dull), 0.9f);
@@ -96,14 +96,14 @@ TEST(GgxFit, LambertAndBlackAreValid) {
   const GgxFit lambert = fit_ggx(builtin_uncached("matte-white"));
   EXPECT_NEAR(lambert.diffuse.y, 0.8f, 0.05f);
   EXPECT_LT(lambert.relative_error, 0.05f);
-  const GgxFit black = fit_ggx(tabulate([](double, double, double) { return glm::dvec3(0.0); }));
+  const GgxFit black = fit_ggx(color_table([](double, double, double) { return glm::dvec3(0.0); }));
   EXPECT_LT(black.diffuse.y + black.specular.y, 1e-3f);
   EXPECT_TRUE(std::isfinite(black.alpha + black.relative_error));
 }
 
 TEST(SgFit, RecoversItsOwnModel) {
   const glm::dvec3 diffuse(0.3, 0.1, 0.05);
-  const BrdfTable table = tabulate([&](double h, double, double) {
+  const BrdfTable table = color_table([&](double h, double, double) {
     const double c = std::cos(h) - 1.0;
     return diffuse / std::numbers::pi + glm::dvec3(2.0, 5.0, 1.0) * std::exp(20.0 * c) +
            glm::dvec3(80.0, 30.0, 100.0) * std::exp(800.0 * c);
@@ -126,7 +126,7 @@ TEST(SgFit, RecoversItsOwnModel) {
 }
 
 TEST(SgFit, BlackAndChromeAreValid) {
-  const SgFit black = fit_sg(tabulate([](double, double, double) { return glm::dvec3(0.0); }));
+  const SgFit black = fit_sg(color_table([](double, double, double) { return glm::dvec3(0.0); }));
   EXPECT_EQ(black.lobes.size(), 3u);
   EXPECT_EQ(black.diffuse.y + black.lobes[0].amplitude.y, 0.0f);
   const SgFit chrome = fit_sg(builtin_uncached("metal-chrome"));

@@ -12,7 +12,7 @@ namespace maquette {
 namespace {
 
 /// The same source in double.
-namespace exact {
+namespace exact_lights {
 using dvec2 = glm::dvec2;
 using dvec3 = glm::dvec3;
 #define float double
@@ -29,7 +29,7 @@ using uint = unsigned int;
 #undef float
 #undef vec2
 #undef vec3
-}  // namespace exact
+}  // namespace exact_lights
 
 LightRecord triangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, bool both = false) {
   LightRecord light{};
@@ -180,7 +180,7 @@ TEST(LightFormulas, FloatAgreesWithDouble) {
     light.kind = static_cast<unsigned>(trial % 4);
     if (light.kind != shared::kLightTriangle) light.direction = glm::normalize(light.direction);
     if (light.kind == shared::kLightSpot) light.edge2 = glm::vec3(0.9f, 0.5f, 0.0f);
-    exact::LightRecord same{};
+    exact_lights::LightRecord same{};
     same.position = light.position;
     same.kind = light.kind;
     same.direction = light.direction;
@@ -190,10 +190,10 @@ TEST(LightFormulas, FloatAgreesWithDouble) {
     const glm::vec3 point = 3.0f * vector();
     const glm::vec2 u(0.5f + 0.49f * uniform(random), 0.5f + 0.49f * uniform(random));
     const auto got = shared::light_sample(light, point, u);
-    const auto expected = exact::light_sample(same, glm::dvec3(point), glm::dvec2(u));
+    const auto expected = exact_lights::light_sample(same, glm::dvec3(point), glm::dvec2(u));
     EXPECT_NEAR(got.radiance.x, expected.radiance.x, 1e-4 * (1.0 + expected.radiance.x)) << trial;
     if (expected.radiance.x < 1e-6) continue;
-    const double nu = exact::light_bandwidth(same, expected.wi, expected.distance_m, 3.0);
+    const double nu = exact_lights::light_bandwidth(same, expected.wi, expected.distance_m, 3.0);
     EXPECT_NEAR(shared::light_bandwidth(light, got.wi, got.distance_m, 3.0f), nu, 1e-3 * nu);
   }
 }

@@ -81,7 +81,7 @@ uniform int u_points_a_side;
 uniform float u_spacing;
 /// Least width of a lobe (rad, of directions). At grazing angles, lobes are narrower across the plane of view and
 /// normal.
-const float kLobeCore_rad = 0.001, kLeastCosine = 0.1;
+const float kPartsLobeCore_rad = 0.001, kLeastCosine = 0.1;
 
 #if MEASURED
 /// Mean of measured_brdf over xi.
@@ -115,7 +115,7 @@ void main() {
   for (int i = 0; i < u_cell_count; ++i) {
     vec2 corner = texelFetch(t_cells, 5 * i).xy + 0.5;
     float away = distance(direction_from_latlong_uv((corner + 0.5) * texel), mirror) - 0.71 * row_rad;
-    int side = clamp(int(row_rad / (narrowest * (max(away, 0.0) + kLobeCore_rad))) + 1, u_points_a_side, kMaxPointsASide);
+    int side = clamp(int(row_rad / (narrowest * (max(away, 0.0) + kPartsLobeCore_rad))) + 1, u_points_a_side, kMaxPointsASide);
     float step = 1.0 / float(side);
     vec3 l00 = texelFetch(t_cells, 5 * i + 1).rgb, l10 = texelFetch(t_cells, 5 * i + 2).rgb;
     vec3 l01 = texelFetch(t_cells, 5 * i + 3).rgb, l11 = texelFetch(t_cells, 5 * i + 4).rgb;

@@ -6,6 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +17,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "scenes/image_io.h"
 #include "scenes/luminance.h"
 #include "test_paths.h"
 
@@ -103,7 +106,7 @@ double contrast(const ScreenPicture& picture, const Rect& rect) {
 }
 
 std::string Desktop::missing_tools() {
-  for (const char* program : {"Xvfb", "xdotool", "import"})
+  for (const char* program : {"Xvfb", "xdotool"})
     if (!on_path(program)) return std::string(program) + " is not installed";
   return {};
 }
@@ -139,78 +142,90 @@ Desktop::~Desktop() {
 void Desktop::start(const std::vector<std::string>& arguments) {
   std::vector<std::string> words = {MAQUETTE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  program_ =
-      spawn(words, {display_, "LIBGL_ALWAYS_SOFTWARE=1", "WAYLAND_DISPLAY=", "XDG_STATE_HOME=" + folder_ + "/state"},
-            folder_ + "/errors");
+  fs::remove(state_file());
+  program_ = spawn(words,
+                   {display_, "MAQUETTE_WINDOW_STATE=" + state_file(), "LIBGL_ALWAYS_SOFTWARE=1",
+                    "WAYLAND_DISPLAY=", "XDG_STATE_HOME=" + folder_ + "/state"},
+                   folder_ + "/errors");
+  wait_for_state([](const WindowState& s) { return s.frames > 0; });
 }
 
 void Desktop::kill_program() {
   if (program_ <= 0) return;
   kill(program_, SIGKILL);
   finish(program_);
-  program_ = -1;
+  program_ = exit_code_ = -1;
 }
 
 bool Desktop::running() {
   if (program_ <= 0) return false;
-  if (waitpid(program_, nullptr, WNOHANG) == 0) return true;
+  int status = 0;
+  if (waitpid(program_, &status, WNOHANG) == 0) return true;
   program_ = -1;
+  exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return false;
 }
 
-int Desktop::wait_for_exit(double seconds) {
-  for (double waited = 0.0; waited < seconds; waited += 0.05) {
-    int status = 0;
-    if (program_ > 0 && waitpid(program_, &status, WNOHANG) == program_) {
-      program_ = -1;
-      return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    }
-    pause_ms(50);
+int Desktop::wait_for_exit() {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kLimit_s);
+  while (running() && std::chrono::steady_clock::now() < end) {
+    pause_ms(5);
   }
-  return -1;
-}
-
-ScreenPicture Desktop::grab() const {
-  const std::string file = folder_ + "/screen.rgb";
-  if (finish(spawn({"import", "-silent", "-window", "root", "-depth", "8", "rgb:" + file}, {display_})) != 0) return {};
-  std::ifstream stream(file, std::ios::binary);
-  ScreenPicture picture{width_, height_, {}};
-  picture.rgb.assign(std::istreambuf_iterator<char>(stream), {});
-  if (picture.rgb.size() != 3 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) return {};
-  return picture;
+  return program_ > 0 ? -1 : exit_code_;
 }
 
 void Desktop::save_screen(const std::string& file) const {
-  finish(spawn({"import", "-silent", "-window", "root", "-depth", "8", "-define", "png:exclude-chunks=date,time", file},
-               {display_}));
+  const ScreenPicture screen = grab();
+  Image image(screen.width, screen.height, 3);
+  std::ranges::transform(screen.rgb, image.data.begin(), [](std::uint8_t byte) { return float(byte) / 255.0f; });
+  save_png(file, image);
 }
 
-void Desktop::input(const std::vector<std::string>& arguments) const {
+void Desktop::post(const std::vector<std::string>& arguments) const {
   std::vector<std::string> words = {"xdotool"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   finish(spawn(words, {display_}));
 }
 
-void Desktop::move(float x, float y) const {
+void Desktop::input(const std::vector<std::string>& arguments) {
+  post(arguments);
+  wait_for_frames();
+}
+
+void Desktop::move(float x, float y) {
   input({"mousemove", std::to_string(std::lround(x)), std::to_string(std::lround(y))});
 }
 
-void Desktop::click(const Rect& rect) const {
+void Desktop::click(const Rect& rect) {
   move(rect.x + 0.5f * rect.width, rect.y + 0.5f * rect.height);
-  pause_ms(250);
-  input({"mousedown", "1"});
-  pause_ms(150);
-  input({"mouseup", "1"});
+  input({"click", "1"});
 }
 
-bool Desktop::wait_until(const std::function<bool(const ScreenPicture&)>& done, double seconds) const {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  do {
-    if (done(grab())) return true;
-    pause_ms(150);
-  } while (std::chrono::steady_clock::now() < end);
+bool Desktop::wait_for_frames() {
+  // The first may have been begun before now, popups open in the second, and the third has laid them out.
+  constexpr int kFrames = 3;
+  const long before = state().frames;
+  return wait_for_state([&](const WindowState& s) { return s.frames >= before + kFrames && s.waiting == 0; });
+}
+
+bool Desktop::wait_for_state(const std::function<bool(const WindowState&)>& done) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kLimit_s);
+  long seen = -1;
+  while (std::chrono::steady_clock::now() < end) {
+    const WindowState now = state();
+    if (now.frames != seen && done(now)) return true;
+    if (!running()) return false;
+    if (now.frames == seen) pause_ms(5);
+    seen = now.frames;
+  }
   return false;
 }
+
+bool Desktop::wait_until(const std::function<bool(const ScreenPicture&)>& done) {
+  return wait_for_state([&](const WindowState&) { return done(grab()); });
+}
+
+WindowState Desktop::state() const { return read_window_state(state_file()).value_or(WindowState{}); }
 
 std::string Desktop::display() const { return display_.substr(display_.find('=') + 1); }
 

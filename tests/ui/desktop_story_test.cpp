@@ -67,7 +67,7 @@ TEST_F(DropStory, EachKindOfFileGoesWhereItBelongs) {
   path.keys.resize(2);
   path.keys[0].camera = path.keys[1].camera = review()->look.camera;
   save_path(file("around.json"), path);
-  const ScreenPicture before = settled(middle_);
+  const ScreenPicture before = settled();
   ASSERT_TRUE(drop(file("around.json")));
   ASSERT_TRUE(wait_for_review([](const Review& r) { return r.paths.size() == 1 && r.paths[0].name == "around"; }));
   EXPECT_TRUE(wait_for_message(&at, before)) << "it says where the path is";
@@ -89,7 +89,7 @@ TEST_F(DropStory, WhatIsNothingIsSaidAndChangesNothing) {
   middle_ = middle_of(at.picture());
   begin({"builtin:sphere", "--mode", "splitsum"});
   ASSERT_TRUE(wait_for_picture(middle_)) << desktop_->errors();
-  const ScreenPicture before = settled(middle_);
+  const ScreenPicture before = settled();
   const Review was = *review();
   for (const char* name : {"a.txt", "a.glb", "a.hdr", "a.exr", "a.binary", "a.btf", "a.json", "a.maquette.json"}) {
     write_text(file(name), "this is nothing of the kind\n");
@@ -120,7 +120,7 @@ TEST_F(DropStory, AWindowKeepsItsSizeOnADenseScreen) {
     EXPECT_TRUE(wait_for_picture(all)) << desktop_->errors();
     size = test::window_size(desktop_->display());
     key("ctrl+q");
-    EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+    EXPECT_EQ(desktop_->wait_for_exit(), 0) << desktop_->errors();
     return size;
   };
   test::set_dpi(desktop_->display(), 192);

@@ -39,7 +39,7 @@ TEST_F(InspectionStory, EyeProbeRegionSweepExport) {
   EXPECT_TRUE(eye_is_at(eye_from_r_point(r_point, axes, {"V2", false})));
   press(&at, "inspection/v1");
   EXPECT_TRUE(eye_is_at(eye_from_r_point(r_point, axes, {"V1", false})));
-  const ScreenPicture plain = settled(middle);
+  const ScreenPicture plain = settled();
 
   const Rect corner{picture.x + 10.0f, picture.y + picture.height - 120.0f, 180.0f, 100.0f};
   desktop_->move(picture.x + 0.5f * picture.width, picture.y + 0.55f * picture.height);
@@ -89,7 +89,7 @@ TEST_F(InspectionStory, EyeProbeRegionSweepExport) {
   EXPECT_NE(table.find("scatter"), std::string::npos) << "what is not modelled is said:\n" << table;
   EXPECT_TRUE(desktop_->running());
   key("ctrl+q");
-  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  EXPECT_EQ(desktop_->wait_for_exit(), 0) << desktop_->errors();
 }
 
 }  // namespace

@@ -63,12 +63,12 @@ TEST_F(KeyboardStory, ReviewsWithoutAMouse) {
 
   const std::string file = (folder_ / "keys.maquette.json").string();
   key("ctrl+s");
-  desktop_->input({"type", "--delay", "20", file});
+  desktop_->input({"type", "--delay", "1", file});
   key("Return");
   ASSERT_TRUE(wait_for_file(file)) << desktop_->errors();
   EXPECT_EQ(load_review(file).looks.size(), 2u);
   key("ctrl+q");
-  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  EXPECT_EQ(desktop_->wait_for_exit(), 0) << desktop_->errors();
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST_F(ReviewStory, PaintsAreSwappedComparedSavedAndSurviveAKill) {
   ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
   key("bracketright");  // one exposure for all looks, so that only paints differ
   ASSERT_TRUE(wait_for_review([](const Review& r) { return !r.look.auto_exposure; }));
-  const ScreenPicture first = settled(middle);
+  const ScreenPicture first = settled();
   keep_look(1);
   desktop_->click(at.item("material/" + material));
   at.state().selected_material = 0;
@@ -84,11 +84,11 @@ TEST_F(ReviewStory, PaintsAreSwappedComparedSavedAndSurviveAKill) {
   ASSERT_TRUE(wait_for_change(first, at.item("library/" + sources[1]), 2.0)) << "the library opens";
   take_from_library(&at, sources[0]);
   ASSERT_TRUE(wait_for_change(first, middle)) << "the sphere shows the new material";
-  const ScreenPicture second = settled(middle);
+  const ScreenPicture second = settled();
   keep_look(2);
   take_from_library(&at, sources[1]);
   ASSERT_TRUE(wait_for_change(second, middle, 2.0)) << "and another";
-  const ScreenPicture third = settled(middle);
+  const ScreenPicture third = settled();
   keep_look(3);
   keep_screen("review-materials");
 
@@ -108,7 +108,7 @@ TEST_F(ReviewStory, PaintsAreSwappedComparedSavedAndSurviveAKill) {
 
   const std::string file = (folder_ / "a.maquette.json").string();
   key("ctrl+s");
-  desktop_->input({"type", "--delay", "20", file});
+  desktop_->input({"type", "--delay", "1", file});
   key("Return");
   ASSERT_TRUE(wait_for_file(file)) << desktop_->errors();
   file_ = file;
@@ -136,7 +136,7 @@ TEST_F(ReviewStory, PaintsAreSwappedComparedSavedAndSurviveAKill) {
   ASSERT_TRUE(journal);
   EXPECT_GE(journal->history.undo_count(), 5u);
   key("ctrl+q");
-  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  EXPECT_EQ(desktop_->wait_for_exit(), 0) << desktop_->errors();
 }
 
 // Everything at once, as a user in a hurry does it whose frames are slow.
@@ -146,9 +146,9 @@ TEST_F(ReviewStory, KeysWithoutAPauseArriveInTheirOrder) {
   ASSERT_TRUE(wait_for_picture(middle_of(picture))) << desktop_->errors();
   const std::string file = (folder_ / "b.maquette.json").string();
   desktop_->move(picture.x + 20.0f, picture.y + 20.0f);
-  desktop_->input({"key", "l", "key", "bracketright", "key", "l", "key", "bracketright", "key", "bracketright", "key",
-                   "l", "key", "ctrl+s", "type", "--delay", "1", file});
-  desktop_->input({"key", "Return", "key", "l"});
+  desktop_->post({"key", "l", "key", "bracketright", "key", "l", "key", "bracketright", "key", "bracketright", "key",
+                  "l", "key", "ctrl+s", "type", "--delay", "1", file});
+  desktop_->post({"key", "Return", "key", "l"});
   ASSERT_TRUE(wait_for_file(file)) << desktop_->errors();
   file_ = file;
   ASSERT_TRUE(wait_for_review([](const Review& r) { return r.looks.size() == 4; })) << "the key behind Return";
@@ -170,13 +170,13 @@ TEST_F(ReviewStory, TheFileNamesItsBakes) {
   desktop_->move(picture.x + 20.0f, picture.y + 20.0f);
   key("l");
   ASSERT_TRUE(wait_for_review([](const Review& r) { return r.looks.size() == 1; }));
-  settled(middle_of(picture));
+  settled();
   key("ctrl+s");
-  desktop_->input({"type", "--delay", "20", file});
+  desktop_->input({"type", "--delay", "1", file});
   key("Return");
   ASSERT_TRUE(wait_for_file(file)) << desktop_->errors();
   key("ctrl+q");
-  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  EXPECT_EQ(desktop_->wait_for_exit(), 0) << desktop_->errors();
   std::vector<ReviewBake> bakes;
   load_review(file, &bakes);
   ASSERT_EQ(bakes.size(), 2u);

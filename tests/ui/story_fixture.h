@@ -1,6 +1,6 @@
 #pragma once
 
-#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,8 +12,6 @@
 #include "tests/ui/window_fixture.h"
 
 namespace maquette {
-
-inline constexpr double kStoryPatience_s = 120.0;  // of a step, where other programs have the processor
 
 /// A user's day in the real window. Each step waits until it has had its effect, in the review's journal, in a file or
 /// in the picture, so that slow frames make it slow and nothing else. With `MAQUETTE_MANUAL_PICTURES=FOLDER` the window
@@ -71,15 +69,20 @@ class Story : public Window {
   /// Replaces what stands in a text field.
   void type_into(Controls* at, const std::string& field, const std::string& text) {
     desktop_->click(at->item(field));
-    desktop_->input({"key", "ctrl+a", "type", "--delay", "20", text});
+    desktop_->input({"key", "ctrl+a", "type", "--delay", "1", text});
   }
   void key(const std::string& name) { desktop_->input({"key", name}); }
   void drag(float x0, float y0, float x1, float y1, const std::string& button = "1") {
-    desktop_->move(x0, y0);
-    desktop_->input({"mousedown", button});
+    std::vector<std::string> words;
+    const auto move = [&](float x, float y) {
+      words.insert(words.end(), {"mousemove", std::to_string(std::lround(x)), std::to_string(std::lround(y))});
+    };
+    move(x0, y0);
+    words.insert(words.end(), {"mousedown", button});
     for (int i = 1; i <= 8; ++i)
-      desktop_->move(x0 + 0.125f * static_cast<float>(i) * (x1 - x0), y0 + 0.125f * static_cast<float>(i) * (y1 - y0));
-    desktop_->input({"mouseup", button});
+      move(x0 + 0.125f * static_cast<float>(i) * (x1 - x0), y0 + 0.125f * static_cast<float>(i) * (y1 - y0));
+    words.insert(words.end(), {"mouseup", button});
+    desktop_->input(words);
   }
   /// The review as its journal has it: of `file_`, or untitled.
   std::optional<Review> review() const {
@@ -89,7 +92,7 @@ class Story : public Window {
     return review_from_document(contents->history.document(), journal);
   }
   bool wait_for(const std::function<bool()>& done) {
-    return desktop_->wait_until([&](const ScreenPicture&) { return done(); }, kStoryPatience_s);
+    return desktop_->wait_for_state([&](const WindowState&) { return done(); });
   }
   bool wait_for_review(const std::function<bool(const Review&)>& done) {
     return wait_for([&] {
@@ -103,25 +106,13 @@ class Story : public Window {
   /// Whether the picture comes to look as in `wanted` rather than `other`.
   bool comes_to(const ScreenPicture& wanted, const ScreenPicture& other, const Rect& rect) {
     const double far = difference(wanted, other, rect);
-    return desktop_->wait_until([&](const ScreenPicture& p) { return difference(wanted, p, rect) < 0.4 * far; },
-                                kStoryPatience_s);
+    return desktop_->wait_until([&](const ScreenPicture& p) { return difference(wanted, p, rect) < 0.4 * far; });
   }
   /// For the manual, once bakes and averaging change nothing any more; nothing in other runs.
   void keep_screen(const std::string& name) {
     if (pictures_.empty()) return;
-    constexpr double kUnchanged = 0.25;
-    constexpr std::chrono::seconds kCalm{25}, kLongest{300};
-    using Clock = std::chrono::steady_clock;
-    const Rect screen{0.0f, 0.0f, static_cast<float>(width_), static_cast<float>(height_)};
-    const Clock::time_point begin = Clock::now();
-    Clock::time_point since = begin;
-    ScreenPicture last = desktop_->grab();
-    while (Clock::now() - since < kCalm && Clock::now() - begin < kLongest) {
-      const ScreenPicture now = desktop_->grab();
-      if (difference(last, now, screen) < kUnchanged) continue;
-      last = now;
-      since = Clock::now();
-    }
+    constexpr int kAveraged = 64;
+    desktop_->wait_for_state([](const WindowState& s) { return s.still && s.work.empty() && s.averaged >= kAveraged; });
     desktop_->save_screen(pictures_ + "/" + name + ".png");
   }
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
 #include "scenes/scene.h"
@@ -22,9 +21,7 @@ using test::ScreenPicture;
 
 inline constexpr float kWidth = 960.0f, kHeight = 440.0f;  // small: software draws it
 inline const char* const kSize = "960x440";
-inline constexpr double kPatience_s = 40.0;  // for a loaded machine; an idle one is much faster
-inline constexpr double kSettle_s = 8.0;     // a picture that is still noisy after this time is used anyway
-inline constexpr double kSeen = 0.6;         // least mean difference of a change of the picture
+inline constexpr double kSeen = 0.6;  // least mean difference of a change of the picture
 
 /// Positions of the controls, from laying out the same panels with the same scene.
 class Controls {
@@ -83,26 +80,16 @@ class Window : public testing::Test {
   }
   /// Waits until something is drawn in the rectangle, and for the first coarse moments to pass.
   bool wait_for_picture(const Rect& rect) {
-    return desktop_->wait_until([&](const ScreenPicture& p) { return test::contrast(p, rect) > 8.0; }, kPatience_s);
+    return desktop_->wait_until([&](const ScreenPicture& p) { return test::contrast(p, rect) > 8.0; });
   }
   bool wait_for_change(const ScreenPicture& before, const Rect& rect, double least = kSeen) {
-    return desktop_->wait_until([&](const ScreenPicture& p) { return difference(before, p, rect) > least; },
-                                kPatience_s);
+    return desktop_->wait_until([&](const ScreenPicture& p) { return difference(before, p, rect) > least; });
   }
-  /// A picture that has not changed for a second, except by averaging. With a shorter time a loaded machine might not
-  /// have drawn its next frame yet.
-  ScreenPicture settled(const Rect& rect) {
-    using Clock = std::chrono::steady_clock;
-    ScreenPicture last = desktop_->grab();
-    Clock::time_point since = Clock::now();
-    desktop_->wait_until(
-        [&](const ScreenPicture& now) {
-          if (difference(last, now, rect) >= 0.25 * kSeen) since = Clock::now();
-          last = now;
-          return Clock::now() - since >= std::chrono::seconds(1);
-        },
-        kSettle_s);
-    return last;
+  /// The screen once nothing moves, nothing is in work and some pictures are averaged.
+  ScreenPicture settled() {
+    constexpr int kAveraged = 12;
+    desktop_->wait_for_state([](const WindowState& s) { return s.still && s.work.empty() && s.averaged >= kAveraged; });
+    return desktop_->grab();
   }
   std::unique_ptr<Desktop> desktop_;
 };

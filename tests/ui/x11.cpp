@@ -2,6 +2,7 @@
 
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
+#include <X11/Xutil.h>
 
 #include <chrono>
 #include <filesystem>
@@ -13,7 +14,7 @@ namespace maquette::test {
 
 namespace {
 
-constexpr double kPatience_s = 40.0;
+constexpr double kLimit_s = 600.0;  // only a hang takes so long
 
 struct Close {
   void operator()(Display* display) const { XCloseDisplay(display); }
@@ -69,7 +70,7 @@ class DragSource {
     send("XdndEnter", kVersion << 24, static_cast<long>(atom("text/uri-list")), 0, 0);
     send("XdndPosition", 0, static_cast<long>(x) << 16 | y, 0, static_cast<long>(atom("XdndActionCopy")));
     bool dropped = false;
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kLimit_s);
     while (std::chrono::steady_clock::now() < end) {
       if (XPending(display_) == 0) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -122,6 +123,24 @@ class DragSource {
 };
 
 }  // namespace
+
+ScreenPicture grab_screen(const std::string& name) {
+  const OpenDisplay display = open_display(name);
+  XWindowAttributes screen;
+  XGetWindowAttributes(display.get(), DefaultRootWindow(display.get()), &screen);
+  XImage* image = XGetImage(display.get(), DefaultRootWindow(display.get()), 0, 0, static_cast<unsigned>(screen.width),
+                            static_cast<unsigned>(screen.height), AllPlanes, ZPixmap);
+  if (!image) throw std::runtime_error("no picture of display " + name);
+  ScreenPicture picture{screen.width, screen.height, {}};
+  picture.rgb.reserve(3 * static_cast<std::size_t>(screen.width) * static_cast<std::size_t>(screen.height));
+  for (int y = 0; y < screen.height; ++y)
+    for (int x = 0; x < screen.width; ++x) {
+      const unsigned long pixel = XGetPixel(image, x, y);
+      for (const int shift : {16, 8, 0}) picture.rgb.push_back(static_cast<std::uint8_t>(pixel >> shift & 255u));
+    }
+  XDestroyImage(image);
+  return picture;
+}
 
 bool drop_files(const std::string& name, int x, int y, const std::vector<std::string>& files) {
   const OpenDisplay display = open_display(name);

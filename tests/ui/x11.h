@@ -1,10 +1,19 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 /// What xdotool cannot do on an X11 display (`:7`).
 namespace maquette::test {
+
+/// 8-bit RGB of the whole screen, row 0 on top.
+struct ScreenPicture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+/// Throws std::runtime_error without such a display.
+ScreenPicture grab_screen(const std::string& display);
 
 /// Drops files on the program's window at a pixel of the screen, as a file manager does (XDND 5). False where no window
 /// is there, or it takes none.

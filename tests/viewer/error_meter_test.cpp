@@ -2,13 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <random>
-#include <thread>
 
 #include "scenes/environment.h"
 #include "scenes/scene.h"
+#include "tests/support/waiting.h"
 #include "viewer/budget_curve.h"
 #include "viewer/session.h"
 
@@ -122,8 +121,7 @@ TEST(ErrorMeter, TracesAViewAndStopsAtOnce) {
   EXPECT_FALSE(meter.watch(view, make));  // it is at it
   std::uint64_t version = 0;
   const auto wait = [&] {
-    for (int i = 0; i < 3000 && !meter.newest(&version); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    test::comes_true([&] { return meter.newest(&version) || !meter.problem().empty(); });
     return meter.newest(&version);
   };
   const auto first = wait();
@@ -139,8 +137,7 @@ TEST(ErrorMeter, TracesAViewAndStopsAtOnce) {
   meter.cancel();
   view.scene_revision = 1;
   meter.watch(view, []() -> std::shared_ptr<const PathScene> { throw std::runtime_error("no scene"); });
-  for (int i = 0; i < 3000 && !meter.newest(&version) && meter.problem().empty(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(test::comes_true([&] { return !meter.problem().empty(); }));
   EXPECT_EQ(meter.problem(), "no scene");
 }
 

@@ -10,6 +10,7 @@
 #include "scenes/scene.h"
 #include "test_paths.h"
 #include "tests/support/test_scenes.h"
+#include "tests/support/waiting.h"
 #include "tests/viewer/run_program.h"
 
 namespace maquette {
@@ -42,11 +43,13 @@ int interrupted_report(const std::string& folder) {
     _exit(127);
   }
   int status = 0;
-  while (read_text(folder + "/progress.json").find("\"technique\"") == std::string::npos) {
-    if (waitpid(child, &status, WNOHANG) == child) return -1;
-    usleep(20000);
-  }
-  kill(child, SIGINT);
+  bool ended = false;
+  const bool begun = test::comes_true([&] {
+    ended = waitpid(child, &status, WNOHANG) == child;
+    return ended || read_text(folder + "/progress.json").find("\"technique\"") != std::string::npos;
+  });
+  if (ended) return -1;
+  kill(child, begun ? SIGINT : SIGKILL);
   waitpid(child, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }

@@ -37,5 +37,12 @@ install_packages() {
 build() {
   export CCACHE_DEPEND=1  # what the cache lacks is not preprocessed twice
   cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DMAQUETTE_TESTS="$1"
-  ninja -C build ${2:+"$2"}
+  ninja -C build -j "$(nproc)" ${2:+"$2"}
+}
+
+# sanitizer_build: configures build-sanitize/ for clang and its sanitizers, each file alone, warnings as errors.
+sanitizer_build() {
+  export CCACHE_DEPEND=1
+  cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=Sanitize -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_UNITY_BUILD=OFF \
+    -DCMAKE_COMPILE_WARNING_AS_ERROR=ON -DMAQUETTE_TESTS=ON >/dev/null
 }

@@ -151,6 +151,7 @@ FrameStart Renderer::Impl::start(const FrameRequest& request, bool accumulate, b
   last.request = request;
   const FrameStart start{request, scene, points, accumulate, last.accumulated, repaints};
   status->accumulated = last.accumulated;
+  status->single = request.single;
   status->tables_swapped = repaints;
   layers.begin(start, status);
   if (status->light_rotated) status->sun_apart = scene.environment().sun() != nullptr;
@@ -167,6 +168,7 @@ FrameStats Renderer::render(const FrameRequest& asked, bool accumulate) {
   Impl& s = *impl_;
   const auto begin = Clock::now();
   const FrameRequest request = s.with_defaults(asked);
+  require_usable(request.camera);
   s.scene.require_scene();
   if (!s.scene.has_environment()) throw Error("renderer", "no environment has been set");
   const ViewInfo view = s.look_at(request);

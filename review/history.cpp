@@ -24,14 +24,25 @@ void History::push(Step step) {
   done_ = steps_.size();
 }
 
-void History::record(const Json& now) {
+namespace {
+
+/// Two patches, and a third entry where the step is apart.
+Json pair_of(const Json& forward, const Json& backward, bool apart) {
+  Json pair = {forward, backward};
+  if (apart) pair.push_back(true);
+  return pair;
+}
+
+}  // namespace
+
+void History::record(const Json& now, bool apart) {
   if (now == document_) return;
-  Step step{Json::diff(document_, now), Json::diff(now, document_), false};
-  step.camera = is_camera_move(step.forward);
+  Step step{Json::diff(document_, now), Json::diff(now, document_), apart};
+  step.camera = is_camera_move(step.forward) && !apart;
   const bool continues = step.camera && done_ > 0 && done_ == steps_.size() && steps_[done_ - 1].camera;
   if (continues) return amend(now);
   document_ = now;
-  emit({{"step", {step.forward, step.backward}}});
+  emit({{"step", pair_of(step.forward, step.backward, apart)}});
   push(std::move(step));
 }
 
@@ -48,10 +59,10 @@ void History::amend(const Json& now) {
       steps_.resize(--done_);
       return emit({{"drop", 1}});
     }
-    Step step{Json::diff(before, now), Json::diff(now, before), false};
-    step.camera = is_camera_move(step.forward);
+    Step step{Json::diff(before, now), Json::diff(now, before), steps_[done_ - 1].apart};
+    step.camera = is_camera_move(step.forward) && !step.apart;
     document_ = now;
-    emit({{"instead", {step.forward, step.backward}}});
+    emit({{"instead", pair_of(step.forward, step.backward, step.apart)}});
     --done_;
     push(std::move(step));
   }
@@ -73,8 +84,8 @@ bool History::redo() {
 
 void History::follow(const Json& record) {
   const auto step_of = [](const Json& pair) {
-    Step step{pair.at(0), pair.at(1), false};
-    step.camera = is_camera_move(step.forward);
+    Step step{pair.at(0), pair.at(1), pair.size() > 2};
+    step.camera = is_camera_move(step.forward) && !step.apart;
     return step;
   };
   if (record.contains("step")) {
@@ -105,7 +116,7 @@ std::vector<Json> History::records(Json* first_document) const {
   *first_document = document_;
   for (std::size_t i = done_; i-- > 0;) *first_document = first_document->patch(steps_[i].backward);
   std::vector<Json> all;
-  for (const Step& step : steps_) all.push_back({{"step", {step.forward, step.backward}}});
+  for (const Step& step : steps_) all.push_back({{"step", pair_of(step.forward, step.backward, step.apart)}});
   for (std::size_t i = 0; i < redo_count(); ++i) all.push_back({{"undo", 1}});
   return all;
 }

@@ -22,8 +22,8 @@ class History {
 
   const Json& document() const { return document_; }
   /// A step from the document to `now`; nothing when they are equal. Moves of the camera that follow one another are
-  /// one step. Steps that were undone are dropped.
-  void record(const Json& now);
+  /// one step, but for those that are `apart`: the camera was put somewhere. Steps that were undone are dropped.
+  void record(const Json& now, bool apart = false);
   /// A change that is no step of its own: it belongs to the last one, which is dropped where nothing of it is left.
   /// What was undone is dropped.
   void amend(const Json& now);
@@ -42,7 +42,8 @@ class History {
  private:
   struct Step {
     Json forward, backward;
-    bool camera = false;  ///< nothing but the camera at hand
+    bool apart = false;   ///< what follows is another step in any case
+    bool camera = false;  ///< nothing but the camera at hand, and not apart
   };
   void emit(const Json& record) {
     if (sink_) sink_(record);

@@ -64,7 +64,7 @@ std::string state_folder() {
   const char* state = std::getenv("XDG_STATE_HOME");
   const char* home = std::getenv("HOME");
   fs::path folder = fs::temp_directory_path() / "maquette-state";
-  if (state && *state)
+  if (state && *state == '/')
     folder = fs::path(state) / "maquette";
   else if (home && *home)
     folder = fs::path(home) / ".local" / "state" / "maquette";

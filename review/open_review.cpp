@@ -21,6 +21,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kMostUntitled = 100;
+/// So many journals that were left behind stay, the latest.
+constexpr std::size_t kMostLeftBehind = 20;
 constexpr std::size_t kMostLines = 3 * History::kDepth;
 
 std::string hash_of(const std::string& text) {
@@ -38,17 +40,25 @@ std::string count_of(std::size_t count, const std::string& thing) {
 
 }  // namespace
 
+void OpenReview::discard_old() {
+  const std::vector<std::string> left = left_behind();
+  for (std::size_t i = kMostLeftBehind; i < left.size(); ++i)
+    if (Journal old(left[i]); old.locked()) old.remove();
+}
+
 OpenReview::OpenReview(const Review& review, bool keeps_journal)
     : history_(review_document(review)), review_(review), saved_(history_.document()) {
   if (!keeps_journal) return;
   try {
+    discard_old();
     for (int number = 1; number <= kMostUntitled && !journal_; ++number) {
       const std::string name = untitled_journal(number);
       const auto contents = read_journal(name);
       if (contents && contents->history.can_undo()) continue;  // somebody may want it back
       keep_journal(name);
     }
-    if (journal_) journal_->begin(history_, "");
+    if (!journal_) throw Error(state_folder(), "it has " + std::to_string(kMostUntitled) + " journals of open windows");
+    journal_->begin(history_, "");
   } catch (const Error& error) {
     journal_.reset();
     notes_.push_back(std::string(error.what()) + ". Changes are kept once the review is saved");
@@ -178,7 +188,7 @@ Json OpenReview::patch_to(const Review& now) const {
   return Json::diff(Json{{"look", history_.document().at("look")}}, Json{{"look", look_json(now.look, same)}});
 }
 
-void OpenReview::observe(const Review& now, bool busy) {
+void OpenReview::observe(const Review& now, bool busy, bool apart) {
   Review kept = now;
   kept.look = canonical(kept.look);
   if (busy) {
@@ -193,7 +203,7 @@ void OpenReview::observe(const Review& now, bool busy) {
     return;
   }
   review_ = kept;
-  history_.record(review_document(kept));
+  history_.record(review_document(kept), apart);
 }
 
 void OpenReview::amend(const Review& now) {

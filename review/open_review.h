@@ -39,7 +39,8 @@ class OpenReview {
   /// The review as it is now, in every iteration of the window's loop. `busy`: a control or the mouse is held, the
   /// change goes on and becomes one step when it is over; the journal has each state of it as a draft meanwhile, before
   /// the frame is drawn that shows it.
-  void observe(const Review& now, bool busy);
+  /// `apart`: the camera was put somewhere, and moves that follow are another step.
+  void observe(const Review& now, bool busy, bool apart = false);
   /// What the program changed of its own accord: no step of its own.
   void amend(const Review& now);
   bool can_undo() const { return history_.can_undo(); }
@@ -51,11 +52,13 @@ class OpenReview {
   /// To its file, or to another. Throws Error: read-only, a folder that cannot be written.
   void save(const std::string& file);
 
-  /// Journals of untitled reviews that were not saved and belong to no open window, latest first.
+  /// Journals of untitled reviews that were not saved and belong to no open window, latest first. Another untitled
+  /// review keeps the latest twenty and removes the others.
   static std::vector<std::string> left_behind();
 
  private:
   OpenReview(History history, Review review) : history_(std::move(history)), review_(std::move(review)) {}
+  static void discard_old();
   void keep_journal(const std::string& file);
   void write(const nlohmann::json& record);
   void compact();

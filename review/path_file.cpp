@@ -8,6 +8,7 @@
 #include "review/look_json.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/json_fault.h"
 
 namespace maquette {
 
@@ -79,7 +80,7 @@ CameraPath load_path(const std::string& file) {
   try {
     json = Json::parse(read_text_file(file));
   } catch (const Json::exception& problem) {
-    throw Error(file, std::string("it is no JSON: ") + problem.what(), "export it again");
+    throw Error(file, "it is no JSON: " + json_fault(problem.what()), "export it again");
   }
   JsonReader reader(json, file + ": ");
   if (reader.count("maquette_path", 1, 1000000) > kPathFormat)

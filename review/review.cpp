@@ -11,6 +11,7 @@
 #include "review/look_json.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/json_fault.h"
 #include "scenes/suggest.h"
 
 namespace maquette {
@@ -104,7 +105,7 @@ Json parse_json(const std::string& text, const std::string& file) {
   try {
     return Json::parse(text);
   } catch (const Json::exception& problem) {
-    throw Error(file, std::string("it is damaged: ") + problem.what(),
+    throw Error(file, "it is damaged: " + json_fault(problem.what()),
                 "a window restores it from its journal: maquette view " + file);
   }
 }

@@ -14,9 +14,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdio>
+#include <memory>
 #include <span>
 
 #include "scenes/error.h"
+#include "scenes/exr_stream.h"
 #include "scenes/files.h"
 
 namespace maquette {
@@ -87,17 +89,20 @@ void write_parts(const std::string& path, const BakeFile& file) {
   for (Imf::Header& header : headers) header.displayWindow() = {{0, 0}, {static_cast<int>(kWidth) - 1, tallest}};
   headers.front().insert(kChecksumName, Imf::StringAttribute(checksum(file)));
   for (const auto& [name, value] : file.attributes) headers.front().insert(kPrefix + name, Imf::StringAttribute(value));
-  Imf::MultiPartOutputFile output(path.c_str(), headers.data(), static_cast<int>(headers.size()));
+  ExrStream stream(path);
+  auto output = std::make_unique<Imf::MultiPartOutputFile>(stream, headers.data(), static_cast<int>(headers.size()));
   for (std::size_t i = 0; i < file.tables.size(); ++i) {
     BakeTable padded = file.tables[i];
     const std::size_t rows = rows_of(length_of(padded));
     Imf::FrameBuffer buffer;
     for (auto& [name, values] : padded.integers) insert_slice(&buffer, Imf::UINT, name, &values, rows);
     for (auto& [name, values] : padded.floats) insert_slice(&buffer, Imf::FLOAT, name, &values, rows);
-    Imf::OutputPart part(output, static_cast<int>(i));
+    Imf::OutputPart part(*output, static_cast<int>(i));
     part.setFrameBuffer(buffer);
     part.writePixels(static_cast<int>(rows));
   }
+  output.reset();
+  stream.close();
 }
 
 std::string text_attribute(const Imf::Header& header, const std::string& name) {

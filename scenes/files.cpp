@@ -1,15 +1,20 @@
 #include "scenes/files.h"
 
 #define XXH_INLINE_ALL
+#include <signal.h>
 #include <unistd.h>
 #include <xxhash.h>
 
 #include <atomic>
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <mutex>
+#include <set>
+#include <span>
 #include <system_error>
 
 #include "scenes/cache_entry.h"
@@ -21,16 +26,42 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Path beside `path` with the same extension, unique to process and thread, within the limit for names.
-std::string temporary_path(const std::string& path) {
-  static std::atomic<unsigned> counter{0};
-  const fs::path target(path);
-  char marker[64];
-  std::snprintf(marker, sizeof marker, ".partial-%ld-%u", static_cast<long>(::getpid()), counter++);
-  constexpr std::size_t kMost = 64;  // of the name, and of its extension
-  std::string name = target.stem().string().substr(0, kMost);
-  name.insert(0, 1, '.').append(marker).append(target.extension().string().substr(0, kMost));
-  return (target.parent_path() / name).string();
+constexpr const char* kTemporary = ".partial-";
+
+/// Of this machine: others may share the folder.
+unsigned host_number() {
+  static const unsigned number = [] {
+    char name[256] = {};
+    gethostname(name, sizeof name - 1);
+    return static_cast<unsigned>(content_hash(std::as_bytes(std::span(name, std::strlen(name)))) & 0xffffffffu);
+  }();
+  return number;
+}
+
+/// Whether a file of this name is the temporary one of a process of this machine that has ended.
+bool is_left_behind(const std::string& name) {
+  const std::size_t at = name.find(kTemporary);
+  if (at == std::string::npos || name.front() != '.') return false;
+  unsigned host = 0, number = 0;
+  long process = 0;
+  if (std::sscanf(name.c_str() + at, ".partial-%8x-%ld-%u", &host, &process, &number) != 3) return false;
+  return host == host_number() && process > 0 && kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
+}
+
+/// Once for each folder.
+void remove_left_behind(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<fs::path> seen;
+  {
+    const std::lock_guard lock(mutex);
+    if (!seen.insert(folder).second) return;
+  }
+  std::error_code code;
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    std::error_code ignored;
+    if (is_left_behind(entry->path().filename().string())) fs::remove(entry->path(), ignored);
+  }
 }
 
 void remove_quietly(const std::string& path) {
@@ -53,8 +84,9 @@ std::optional<fs::path> cache_folder() {
   if (const char* own = std::getenv("MAQUETTE_CACHE")) {
     return *own ? std::optional<fs::path>(own) : std::nullopt;
   }
+  // Relative paths are to be ignored. Source: freedesktop.org, "XDG Base Directory Specification", version 0.8.
   const char* xdg = std::getenv("XDG_CACHE_HOME");
-  if (xdg && *xdg) return fs::path(xdg) / "maquette";
+  if (xdg && *xdg == '/') return fs::path(xdg) / "maquette";
   const char* home = std::getenv("HOME");
   if (home && *home) return fs::path(home) / ".cache" / "maquette";
   return std::nullopt;
@@ -69,6 +101,19 @@ fs::path cache_entry(const fs::path& folder, const std::string& kind, int versio
 }
 
 }  // namespace
+
+std::string temporary_path(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  const fs::path target(path);
+  remove_left_behind(target.parent_path());
+  char marker[64];
+  std::snprintf(marker, sizeof marker, "%s%08x-%ld-%u", kTemporary, host_number(), static_cast<long>(::getpid()),
+                counter++);
+  constexpr std::size_t kMost = 64;  // of the name, and of its extension
+  std::string name = target.stem().string().substr(0, kMost);
+  name.insert(0, 1, '.').append(marker).append(target.extension().string().substr(0, kMost));
+  return (target.parent_path() / name).string();
+}
 
 std::string lower_extension(const std::string& path) {
   std::string extension = fs::path(path).extension().string();

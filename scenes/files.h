@@ -27,6 +27,10 @@ bool is_written_through(const std::string& path);
 /// The end of a chain of symbolic links, whether it exists or not; `path` itself when it is no link.
 std::string link_target(const std::string& path);
 
+/// Beside `path`, hidden, with the same extension, unlike any other. What runs that were killed have left of such files
+/// in the folder is removed.
+std::string temporary_path(const std::string& path);
+
 /// Calls `write(temporary_path)` and renames the result to the target of `path`, following links; removes it when
 /// `write` throws. Paths with is_written_through get the bytes instead.
 void write_atomically(const std::string& path, const std::function<void(const std::string&)>& write);

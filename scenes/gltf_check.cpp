@@ -11,6 +11,7 @@
 
 #include "scenes/error.h"
 #include "scenes/gltf_file.h"
+#include "scenes/json_fault.h"
 
 namespace maquette::gltf {
 namespace {
@@ -369,11 +370,7 @@ Json parse_checked(const std::string& path, std::string_view text) {
   try {
     root = parse_numbers_of_any_size(text);
   } catch (const Json::exception& e) {
-    std::string message = e.what();
-    message.resize(std::min(message.find("; last read"), message.size()));  // what was read may be a payload
-    const std::size_t colon = message.find("] ");
-    throw Error(path, "is not valid JSON: " + (colon == std::string::npos ? message : message.substr(colon + 2)),
-                "the file is damaged or not glTF");
+    throw Error(path, "is not valid JSON: " + json_fault(e.what()), "the file is damaged or not glTF");
   }
   canonicalise(&root);
   Checker(path, root).run();

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scenes/srgb.h"
+#include "scenes/subject_bounds.h"
 
 namespace maquette {
 
@@ -109,10 +110,12 @@ glm::vec2 ground_texture_offset(float env_rotation_rad) {
 }
 
 bool has_ground(const Scene& scene) {
-  const Bounds bounds = compute_bounds(scene);
+  const Bounds bounds = subject_bounds(scene);
   if (bounds.empty()) return true;
   const glm::dvec3 size = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
   const double below = static_cast<double>(bounds.min.y) + 0.02 * std::max(size.y, 1e-9);
+  // What lies far below is no ground of this.
+  const double above = static_cast<double>(bounds.min.y) - 0.02 * std::max(size.y, 1e-9);
   double level_m2 = 0.0;
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
@@ -123,7 +126,8 @@ bool has_ground(const Scene& scene) {
         glm::dvec3 corner[3]{};
         for (std::size_t c = 0; c < 3; ++c)
           corner[c] = glm::dvec3(glm::dmat4(world[i]) * glm::dvec4(p.positions[p.indices[k + c]], 1.0));
-        if (std::max({corner[0].y, corner[1].y, corner[2].y}) > below) continue;
+        const auto [lowest, highest] = std::minmax({corner[0].y, corner[1].y, corner[2].y});
+        if (highest > below || lowest < above) continue;
         level_m2 += 0.5 * std::abs(glm::cross(corner[1] - corner[0], corner[2] - corner[0]).y);
       }
   }
@@ -131,7 +135,7 @@ bool has_ground(const Scene& scene) {
 }
 
 void add_ground(Scene* scene, const Environment& environment, const GroundOptions& options) {
-  const Bounds bounds = compute_bounds(*scene);
+  const Bounds bounds = subject_bounds(*scene);
   if (bounds.empty()) return;
   const double size_m = std::max(static_cast<double>(bounds.radius()), 1e-6);
   const double height_m = std::max(static_cast<double>(options.height_m), 1e-3 * size_m);

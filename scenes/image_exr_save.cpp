@@ -9,6 +9,7 @@
 #include <cassert>
 
 #include "scenes/error.h"
+#include "scenes/exr_stream.h"
 #include "scenes/files.h"
 #include "scenes/image_exr_threads.h"
 #include "scenes/image_io.h"
@@ -47,9 +48,13 @@ void save_exr(const std::string& path, const Image& image, const std::map<std::s
         assert(layer.width == image.width && layer.height == image.height);
         add_channels(name + ".", layer, &header, &buffer);
       }
-      Imf::OutputFile file(temporary.c_str(), header);
-      file.setFrameBuffer(buffer);
-      file.writePixels(image.height);
+      ExrStream stream(temporary);
+      {
+        Imf::OutputFile file(stream, header);
+        file.setFrameBuffer(buffer);
+        file.writePixels(image.height);
+      }
+      stream.close();
     });
   } catch (const Error&) {
     throw;

@@ -7,6 +7,7 @@
 #include "viewer/command_line.h"
 #include "viewer/interrupt.h"
 #include "viewer/outputs.h"
+#include "viewer/print.h"
 #include "viewer/progress_lines.h"
 #include "viewer/session.h"
 
@@ -18,7 +19,7 @@ int run_bake(const CommandLine& line) {
   if (line.files.size() > 1) options.scene = line.files[1];
   if (!options.output.empty()) prepare_folder("--output", options.output);
   const std::shared_ptr<Scene> scene = load_session_scene(options);
-  for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  print_warnings("", scene->warnings);
   prepare_btfs(options, *scene, false);
   const BakeRequest request{*scene,
                             find_variant(*scene, options.variant),
@@ -31,11 +32,10 @@ int run_bake(const CommandLine& line) {
   const SceneOptions usual;
   if (!command.of_light && (options.environment != usual.environment ||
                             options.env_rotation_deg != usual.env_rotation_deg || options.env_scale != usual.env_scale))
-    std::fprintf(stderr, "warning: bake %s depends on no environment; its options are not used\n",
-                 command.name.c_str());
+    print_line(stderr, "warning: bake %s depends on no environment; its options are not used\n", command.name.c_str());
   const InterruptGuard guard;
   command.run(request, {InterruptGuard::flag(), print_progress(),
-                        [](const std::string& text) { std::printf("%s\n", text.c_str()); }});
+                        [](const std::string& text) { print_line(stdout, "%s\n", text.c_str()); }});
   return 0;
 }
 

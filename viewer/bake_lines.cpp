@@ -6,6 +6,7 @@
 #include "scenes/suggest.h"
 #include "ui/bake_state.h"
 #include "viewer/options.h"
+#include "viewer/print.h"
 
 namespace maquette {
 
@@ -76,7 +77,7 @@ void warn_of_bakes(const SceneOptions& options, const std::vector<std::string>& 
   if (!as_saved) std::erase(told, shown_name);
   bakes = bakes_of_looks(bakes, told);
   for (const std::string& line : bake_lines({review, bakes, shown_name, as_saved ? key_now : BakeKeyNow()}))
-    std::fprintf(stderr, "warning: %s: %s\n", options.review.c_str(), line.c_str());
+    print_line(stderr, "warning: %s: %s\n", options.review.c_str(), line.c_str());
 }
 
 void KnownBakes::set(const Look& look, BakeKeys keys) {

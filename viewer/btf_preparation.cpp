@@ -6,6 +6,7 @@
 #include "render/btf/btf_source.h"
 #include "render/technique/registry.h"
 #include "viewer/interrupt.h"
+#include "viewer/print.h"
 #include "viewer/progress_lines.h"
 
 namespace maquette {
@@ -35,8 +36,8 @@ void prepare_btfs(const SceneOptions& options, const Scene& scene, bool draws) {
     prepare_btf(source);
     if (exact) continue;
     const Technique* other = registry.first_that(TechniqueKind::mode, &Capabilities::traces_picture);
-    std::fprintf(stderr, "note: %s is a BTF, of which mode %s draws the mean over its texels%s\n", source.c_str(),
-                 options.mode.c_str(), other ? ("; --mode " + other->name + " draws all of it").c_str() : "");
+    print_line(stderr, "note: %s is a BTF, of which mode %s draws the mean over its texels%s\n", source.c_str(),
+               options.mode.c_str(), other ? ("; --mode " + other->name + " draws all of it").c_str() : "");
   }
 }
 

@@ -1,5 +1,6 @@
 #include "viewer/commands.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -9,6 +10,7 @@
 #include "scenes/error.h"
 #include "viewer/bake_command.h"
 #include "viewer/command_line.h"
+#include "viewer/print.h"
 
 namespace maquette {
 
@@ -16,10 +18,10 @@ namespace {
 
 int fail(int code, const std::string& text) {
   std::string line = text;
-  for (char& c : line)
-    if (c == '\n' || c == '\r') c = ' ';
+  std::ranges::replace_if(
+      line, [](char c) { return c == '\n' || c == '\r'; }, ' ');
   std::fflush(stdout);
-  std::fprintf(stderr, "maquette: %s\n", line.c_str());
+  print_line(stderr, "maquette: %s\n", line.c_str());
   return code;
 }
 

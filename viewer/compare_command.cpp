@@ -48,7 +48,7 @@ int run_compare(const CommandLine& line) {
   const ErrorReport report = measure_error(image, reference);
   if (!output.empty()) write_difference(output, report, image, reference);
   const nlohmann::ordered_json json = error_json(report.figures);
-  std::fputs(line.json ? (json.dump(2) + "\n").c_str() : report_text(json).c_str(), stdout);
+  print_report(line.json, json);
   return 0;
 }
 

@@ -169,7 +169,7 @@ int run_doctor(const CommandLine& line) {
   report["libraries"] = libraries_json();
   append_programs(&report, &problems);
   report["what_will_not_work_here"] = problems;
-  std::fputs(line.json ? (report.dump(2) + "\n").c_str() : report_text(report).c_str(), stdout);
+  print_report(line.json, report);
   return can_draw ? 0 : 1;
 }
 

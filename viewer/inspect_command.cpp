@@ -298,7 +298,7 @@ Json inspect(const CommandLine& line) {
 
 int run_inspect(const CommandLine& line) {
   const Json json = inspect(line);
-  std::fputs(line.json ? (json.dump(2) + "\n").c_str() : report_text(json).c_str(), stdout);
+  print_report(line.json, json);
   return 0;
 }
 

@@ -9,6 +9,7 @@
 #include "scenes/node_paths.h"
 #include "viewer/btf_preparation.h"
 #include "viewer/dents.h"
+#include "viewer/print.h"
 
 namespace maquette {
 
@@ -49,8 +50,7 @@ std::shared_ptr<const Environment> LookStage::environment(const std::string& sou
   std::shared_ptr<const Environment>& kept = environments_[source];
   if (!kept) {
     kept = std::make_shared<const Environment>(load_environment(source));
-    for (const std::string& warning : kept->warnings)
-      std::fprintf(stderr, "warning: %s: %s\n", kept->name.c_str(), warning.c_str());
+    print_warnings(kept->name, kept->warnings);
   }
   return kept;
 }
@@ -112,6 +112,7 @@ FrameStats LookStage::render(const Look& look, const SettledFrame& settled) {
   show(look);
   request_ = make_request(*drawn_, look, settled.size);
   request_.settings.set("shading.reuse", false);
+  request_.single = settled.frames <= 1;
   renderer_->forget_frames();
   renderer_->finish_background_work(request_);
   FrameStats stats;

@@ -48,7 +48,7 @@ void parse_dent(SceneOptions* options, const std::string& text) {
 }
 
 void parse_turn(SceneOptions* options, const std::string& text) {
-  const auto [node, numbers] = parse_pair(text, "--turn", "NODE=x,y,z,DEG");
+  const auto [node, numbers] = parse_pair(text, "--turn", "NODE=x,y,z,DEG", true);
   const std::vector<double> v = parse_list(numbers, "--turn", 4, "x,y,z,DEG");
   const glm::dvec3 axis(v[0], v[1], v[2]);
   if (!(glm::length(axis) > 0.0)) throw UsageError("--turn", "the axis has no direction");
@@ -56,7 +56,10 @@ void parse_turn(SceneOptions* options, const std::string& text) {
 }
 
 void parse_animation(SceneOptions* options, const std::string& text) {
-  const std::size_t equals = text.rfind('=');
+  std::size_t equals = text.rfind('=');
+  // A name may have one, too: behind that of a time is a number.
+  if (equals != std::string::npos && text.find_first_not_of("0123456789.+-eE", equals + 1) != std::string::npos)
+    equals = std::string::npos;
   options->animation.name = text.substr(0, equals);
   if (equals != std::string::npos)
     options->animation.time_s = parse_in(text.substr(equals + 1), "--animation", 0.0, 86400.0);
@@ -181,7 +184,7 @@ std::vector<OptionDeclaration> light_and_material_options() {
           "builtin:glass; or a BTF: a folder of images, .btf, builtin:btf-leather; `maquette inspect library` lists "
           "the library",
           [](O* o, const std::string& t) {
-            o->materials.push_back(parse_pair(t, "--material", "NAME=FILE"));
+            o->materials.push_back(parse_name_and_file(t, "--material", "NAME=FILE"));
             if (o->materials.back().second.empty())
               throw UsageError("--material", "\"" + t + "\" names no FILE; leave the option out to keep the material");
           },

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include "render/technique/settings.h"
 #include "scenes/error.h"
@@ -48,10 +49,21 @@ std::vector<double> parse_list(const std::string& text, const std::string& what,
 }
 
 std::pair<std::string, std::string> parse_pair(const std::string& text, const std::string& what,
-                                               const std::string& form) {
-  const std::size_t equals = text.find('=');
+                                               const std::string& form, bool last) {
+  const std::size_t equals = last ? text.rfind('=') : text.find('=');
   if (equals == std::string::npos || equals == 0) throw UsageError(what, "\"" + text + "\" is not of the form " + form);
   return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::pair<std::string, std::string> parse_name_and_file(const std::string& text, const std::string& what,
+                                                        const std::string& form) {
+  for (std::size_t at = text.find('=', 1); at != std::string::npos; at = text.find('=', at + 1)) {
+    const std::string file = text.substr(at + 1);
+    std::error_code ignored;
+    if (file.starts_with("builtin:") || (!file.empty() && std::filesystem::exists(file, ignored)))
+      return {text.substr(0, at), file};
+  }
+  return parse_pair(text, what, form);
 }
 
 }  // namespace maquette

@@ -12,6 +12,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/image_io.h"
+#include "viewer/print.h"
 
 namespace maquette {
 
@@ -87,7 +88,7 @@ void prepare_folder(const std::string& option, const std::string& folder) {
 Image load_picture(const std::string& path) {
   std::vector<std::string> warnings;
   Image image = load_hdr_image(path, &warnings);
-  for (const std::string& warning : warnings) std::fprintf(stderr, "warning: %s: %s\n", path.c_str(), warning.c_str());
+  print_warnings(path, warnings);
   return image;
 }
 

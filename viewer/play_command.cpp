@@ -1,4 +1,9 @@
 // A camera path, settled frame by settled frame.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -6,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "render/gl/context.h"
@@ -21,6 +27,7 @@
 #include "viewer/look_stage.h"
 #include "viewer/outputs.h"
 #include "viewer/pose.h"
+#include "viewer/print.h"
 #include "viewer/report/content_key.h"
 #include "viewer/review_options.h"
 #include "viewer/video_pipe.h"
@@ -184,6 +191,32 @@ class Player {
   std::map<std::string, float> exposures_;
 };
 
+/// While a video is made nobody else draws or removes its frames. The file beside it goes with the lock.
+class VideoLock {
+ public:
+  explicit VideoLock(const fs::path& video)
+      : name_((video.parent_path() / ("." + video.filename().string() + ".lock")).string()),
+        file_(open(name_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+    struct stat own {
+    }, named{};
+    const bool locked = file_ >= 0 && flock(file_, LOCK_EX | LOCK_NB) == 0 && fstat(file_, &own) == 0 &&
+                        stat(name_.c_str(), &named) == 0 && own.st_ino == named.st_ino;
+    if (locked) return;
+    if (file_ >= 0) close(file_);
+    throw Error(video.string(), "another maquette play is making it", "wait for that, or choose another name");
+  }
+  ~VideoLock() {
+    unlink(name_.c_str());
+    close(file_);
+  }
+  VideoLock(const VideoLock&) = delete;
+  VideoLock& operator=(const VideoLock&) = delete;
+
+ private:
+  std::string name_;
+  int file_;
+};
+
 class Progress {
  public:
   explicit Progress(int count) : count_(count) {}
@@ -192,7 +225,7 @@ class Progress {
     if (now_s - last_s_ < kQuiet_s && done < count_) return;
     last_s_ = now_s;
     const double left_s = drawn > 0 ? now_s / drawn * (count_ - done) : 0.0;
-    std::fprintf(stderr, "frame %d of %d, about %.0f s left\n", done, count_, left_s);
+    print_line(stderr, "frame %d of %d, about %.0f s left\n", done, count_, left_s);
   }
 
  private:
@@ -256,12 +289,18 @@ int run_play(const CommandLine& line) {
   // The last key of an open path has a frame of its own; a closed one ends where it begins.
   play.count = play.path.closed ? std::max(static_cast<int>(std::lround(frames)), 1)
                                 : static_cast<int>(std::floor(frames + 1e-6)) + 1;
+  std::optional<VideoLock> lock;
+  if (!play.video.empty()) {
+    lock.emplace(play.video);
+    if (play.settled.size.width % 2 + play.settled.size.height % 2 > 0)
+      print_line(stderr, "%s: the video has black borders of one pixel: its sides must be even\n", play.video.c_str());
+  }
   begin_folder(play, key_of(play, *scene), !play.video.empty());
   const GlContext context = GlContext::create_headless();
   query_device();
   const int drawn = play_frames(play, options, scene);
-  std::printf("%s: %d frames of %dx%d, %d of them drawn now\n", options.output.c_str(), play.count,
-              play.settled.size.width, play.settled.size.height, drawn);
+  print_line(stdout, "%s: %d frames of %dx%d, %d of them drawn now\n", options.output.c_str(), play.count,
+             play.settled.size.width, play.settled.size.height, drawn);
   return 0;
 }
 

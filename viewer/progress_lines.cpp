@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "viewer/print.h"
+
 namespace maquette {
 
 std::function<void(const std::string&, double)> print_progress() {
@@ -10,7 +12,7 @@ std::function<void(const std::string&, double)> print_progress() {
     if (what == shown && percent / 10 == tenths) return;
     shown = what;
     tenths = percent / 10;
-    std::fprintf(stderr, "%s: %d %%\n", what.c_str(), percent);
+    print_line(stderr, "%s: %d %%\n", what.c_str(), percent);
   };
 }
 

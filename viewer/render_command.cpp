@@ -17,6 +17,7 @@
 #include "viewer/commands.h"
 #include "viewer/interrupt.h"
 #include "viewer/outputs.h"
+#include "viewer/print.h"
 #include "viewer/render_look.h"
 #include "viewer/render_sheet.h"
 #include "viewer/session.h"
@@ -73,6 +74,7 @@ double estimate_error(const Image& all, const Image& half) {
 /// frames, so that its time is that of a new picture.
 void render_frames(Renderer* renderer, FrameRequest request, const SceneOptions& options, RenderReport* report) {
   if (!request.settings.changed().contains("shading.reuse")) request.settings.set("shading.reuse", false);
+  request.single = options.frames == 0;
   if (options.frames > 0)
     for (int i = 0; i < kWarmUpFrames; ++i) renderer->render(request);
   const Clock::time_point start = Clock::now();
@@ -102,7 +104,7 @@ class AccumulationProgress {
       text += part;
       if (options_.target_error) text += " of " + percent_text(*options_.target_error);
     }
-    std::fprintf(stderr, "%s; Ctrl-C keeps the picture so far\n", text.c_str());
+    print_line(stderr, "%s; Ctrl-C keeps the picture so far\n", text.c_str());
   }
 
  private:
@@ -231,7 +233,7 @@ std::string error_text(const RenderReport& report, const SceneOptions& options, 
 void warn_of_light_left_out(const FramePlan& plan) {
   for (const LeftOut& left_out : plan.left_out)
     if (left_out.what == "lights" && left_out.decided_by == "mode")
-      std::fprintf(stderr, "warning: lamps and what glows light nothing: %s\n", left_out.why.c_str());
+      print_line(stderr, "warning: lamps and what glows light nothing: %s\n", left_out.why.c_str());
 }
 
 std::map<std::string, std::string> provenance(const SceneOptions& options, const FrameRequest& request) {
@@ -281,14 +283,13 @@ int run_render(const CommandLine& line) {
   const DeviceInfo device = query_device();
   const std::shared_ptr<Scene> scene = scene_job.get();
   const std::shared_ptr<const Environment> environment = environment_job.get();
-  for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  for (const std::string& warning : environment->warnings)
-    std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
+  print_warnings("", scene->warnings);
+  print_warnings(environment->name, environment->warnings);
   const std::string units = units_warning(*scene, *environment, options.env_scale, "--env-scale");
-  if (!units.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), units.c_str());
+  if (!units.empty()) print_line(stderr, "warning: %s: %s\n", environment->name.c_str(), units.c_str());
   const bool own_materials = options.materials.empty() && !scene->name.starts_with("builtin:");
   const std::string gloss = own_materials ? gloss_warning(*scene, "give measured ones by --material") : "";
-  if (!gloss.empty()) std::fprintf(stderr, "warning: %s: %s\n", scene->name.c_str(), gloss.c_str());
+  if (!gloss.empty()) print_line(stderr, "warning: %s: %s\n", scene->name.c_str(), gloss.c_str());
 
   prepare_btfs(options, *scene);
   Renderer renderer;
@@ -315,9 +316,9 @@ int run_render(const CommandLine& line) {
   warn_of_light_left_out(report.frames.back().plan);
   for (const auto& [name, bake] : report.frames.back().status.own_bakes) {
     if (!bake.ready)
-      std::fprintf(stderr, "warning: %s: nothing is baked; a preview is drawn (%s.run is hold)\n", name.c_str(),
-                   name.c_str());
-    for (const std::string& note : bake.notes) std::fprintf(stderr, "warning: %s: %s\n", name.c_str(), note.c_str());
+      print_line(stderr, "warning: %s: nothing is baked; a preview is drawn (%s.run is hold)\n", name.c_str(),
+                 name.c_str());
+    for (const std::string& note : bake.notes) print_line(stderr, "warning: %s: %s\n", name.c_str(), note.c_str());
   }
   const Image radiance = renderer.read_radiance();
   if (reference) report.error = measure_error(radiance, *reference).figures;
@@ -326,9 +327,9 @@ int run_render(const CommandLine& line) {
     write_picture(renderer, radiance, options.exposure_ev ? suited_ev : meter_exposure_ev(radiance, suited_ev), options,
                   request);
     if (options.stats != "-")
-      std::printf("%s: %dx%d, mode %s%s, %s%s\n", options.output.c_str(), request.width, request.height,
-                  request.mode.c_str(), request.part_modes.empty() ? "" : " and others for parts",
-                  time_text(report, request, accumulates).c_str(), error_text(report, options, ending).c_str());
+      print_line(stdout, "%s: %dx%d, mode %s%s, %s%s\n", options.output.c_str(), request.width, request.height,
+                 request.mode.c_str(), request.part_modes.empty() ? "" : " and others for parts",
+                 time_text(report, request, accumulates).c_str(), error_text(report, options, ending).c_str());
   }
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, request, device, report));
   if (ending == Ending::interrupted)

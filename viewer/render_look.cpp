@@ -10,6 +10,7 @@
 #include "viewer/look_stage.h"
 #include "viewer/outputs.h"
 #include "viewer/picture_command.h"
+#include "viewer/print.h"
 #include "viewer/progress_lines.h"
 #include "viewer/review_options.h"
 #include "viewer/stats.h"
@@ -61,8 +62,8 @@ int render_look(const CommandLine& line) {
   else if (!options.output.empty())
     save_exr(options.output, stage.renderer().read_radiance(), provenance(options, look, settled));
   if (!options.output.empty() && options.stats != "-")
-    std::printf("%s: %dx%d, look %s, mode %s\n", options.output.c_str(), options.width, options.height,
-                look.name.empty() ? "as saved" : look.name.c_str(), look.mode.c_str());
+    print_line(stdout, "%s: %dx%d, look %s, mode %s\n", options.output.c_str(), options.width, options.height,
+               look.name.empty() ? "as saved" : look.name.c_str(), look.mode.c_str());
   options.scene = review.scene;
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, stage.request(), device, report));
   return 0;

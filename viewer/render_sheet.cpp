@@ -10,6 +10,7 @@
 #include "viewer/command_line.h"
 #include "viewer/look_stage.h"
 #include "viewer/outputs.h"
+#include "viewer/print.h"
 #include "viewer/review_options.h"
 
 namespace maquette {
@@ -105,8 +106,9 @@ int render_sheet(const CommandLine& line) {
       stage.render(look, settled);
       pictures.push_back(png ? stage.renderer().read_display(exposure_ev, look.tonemap)
                              : stage.renderer().read_radiance());
-      std::printf("row %zu, column %zu: %s%s%s\n", (pictures.size() - 1) / columns + 1, column + 1, environment.c_str(),
-                  sheet.part.empty() ? "" : ", ", sheet.part.empty() ? "" : sheet.sources[column].c_str());
+      print_line(stdout, "row %zu, column %zu: %s%s%s\n", (pictures.size() - 1) / columns + 1, column + 1,
+                 environment.c_str(), sheet.part.empty() ? "" : ", ",
+                 sheet.part.empty() ? "" : sheet.sources[column].c_str());
       std::fflush(stdout);
     }
   }
@@ -115,7 +117,8 @@ int render_sheet(const CommandLine& line) {
     save_png(options.output, joined);
   else
     save_exr(options.output, joined, {{"maquette.sheet", sheet.part}});
-  std::printf("%s: %dx%d, %zu rows, %zu columns\n", options.output.c_str(), joined.width, joined.height, rows, columns);
+  print_line(stdout, "%s: %dx%d, %zu rows, %zu columns\n", options.output.c_str(), joined.width, joined.height, rows,
+             columns);
   return 0;
 }
 

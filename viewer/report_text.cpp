@@ -4,6 +4,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "scenes/harmless.h"
+#include "viewer/print.h"
+
 namespace maquette {
 
 namespace {
@@ -14,7 +17,7 @@ bool is_scalar(const Json& value) { return !value.is_structured(); }
 
 std::string scalar_text(const Json& value) {
   if (value.is_null()) return "-";
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return harmless(value.get<std::string>());
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (!value.is_number_float()) return value.dump();
   char buffer[32];
@@ -82,6 +85,11 @@ std::string report_text(const Json& report) {
   std::string text;
   append(report, 0, &text);
   return text;
+}
+
+void print_report(bool json, const nlohmann::ordered_json& report) {
+  if (!json) return print_text(stdout, report_text(report));
+  std::fputs((harmless_json(report.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n").c_str(), stdout);
 }
 
 }  // namespace maquette

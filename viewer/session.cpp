@@ -17,6 +17,7 @@
 #include "scenes/ground.h"
 #include "scenes/luminance.h"
 #include "scenes/node_paths.h"
+#include "scenes/subject_bounds.h"
 #include "scenes/suggest.h"
 #include "ui/camera_control.h"
 #include "viewer/dents.h"
@@ -38,9 +39,24 @@ void check_is_scene(const std::string& path) {
     throw UsageError(path, "is a measured material, not a scene", "give it by --material NAME=" + path);
 }
 
-std::string camera_name(const Scene& scene, const Node& node) {
-  const std::string& name = scene.cameras[static_cast<std::size_t>(node.camera)].name;
-  return name.empty() ? node.name : name;
+struct NamedCamera {
+  std::size_t node = 0;
+  std::string name;
+};
+
+/// Of the camera, or else of its node; a name that another one has already gets a number.
+std::vector<NamedCamera> named_cameras(const Scene& scene) {
+  std::vector<NamedCamera> cameras;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].camera < 0) continue;
+    const std::string& own = scene.cameras[static_cast<std::size_t>(scene.nodes[i].camera)].name;
+    const std::string name = own.empty() ? scene.nodes[i].name : own;
+    std::string unique = name;
+    for (int number = 2; std::ranges::find(cameras, unique, &NamedCamera::name) != cameras.end(); ++number)
+      unique = name + " " + std::to_string(number);
+    cameras.push_back({i, unique});
+  }
+  return cameras;
 }
 
 CameraView camera_of(const Scene& scene, std::size_t node, const glm::mat4& world_from_node) {
@@ -112,26 +128,24 @@ std::shared_ptr<const Scene> with_ground(std::shared_ptr<const Scene> scene, con
 
 Bounds framed_bounds(const Scene& scene) {
   const bool grounded = !scene.nodes.empty() && is_added_ground(scene, scene.nodes.size() - 1);
-  if (!grounded) return compute_bounds(scene);
+  if (!grounded) return subject_bounds(scene);
   Scene shown = scene;
   shown.nodes.back().visible = false;
-  return compute_bounds(shown);
+  return subject_bounds(shown);
 }
 
 std::vector<std::string> camera_names(const Scene& scene) {
   std::vector<std::string> names;
-  for (const Node& node : scene.nodes)
-    if (node.camera >= 0) names.push_back(camera_name(scene, node));
+  for (const NamedCamera& camera : named_cameras(scene)) names.push_back(camera.name);
   return names;
 }
 
 CameraView camera_by_name(const Scene& scene, const std::string& name) {
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    const Node& node = scene.nodes[i];
-    if (node.camera >= 0 && (camera_name(scene, node) == name || node.name == name))
-      return camera_of(scene, i, world[i]);
-  }
+  for (const NamedCamera& camera : named_cameras(scene))
+    if (camera.name == name) return camera_of(scene, camera.node, world[camera.node]);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+    if (scene.nodes[i].camera >= 0 && scene.nodes[i].name == name) return camera_of(scene, i, world[i]);
   const std::vector<std::string> names = camera_names(scene);
   throw UsageError("--camera " + name, scene.name + " has no such camera",
                    names.empty() ? "it has none; use --eye and --target" : did_you_mean(name, names));

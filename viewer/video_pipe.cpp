@@ -39,17 +39,20 @@ void VideoPipe::require_ffmpeg() {
 }
 
 VideoPipe::VideoPipe(std::string path, double frames_per_second) : path_(std::move(path)) {
-  const fs::path target(path_);
-  beside_ = (target.parent_path() / ("." + target.stem().string() + ".partial" + target.extension().string())).string();
+  path_ = link_target(path_);
+  beside_ = temporary_path(fs::absolute(path_).string());  // a name with a colon is no protocol
   log_ = beside_ + ".log";
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw Error(path_, "no pipe can be made to ffmpeg");
   const std::string rate = std::to_string(frames_per_second);
   std::vector<std::string> words = {"ffmpeg", "-nostdin", "-loglevel", "error", "-y", "-f", "image2pipe", "-c:v", "png",
                                     "-framerate", rate, "-i", "pipe:0", "-an",
-                                    // Two pixels share a colour: even sides.
-                                    "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-pix_fmt", "yuv420p",
-                                    "-crf", "18", beside_};
+                                    // Two pixels share a colour: even sides. ITU-R BT.709, black at 16, white at 235.
+                                    "-vf",
+                                    "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=in_range=pc:out_range=tv:"
+                                    "out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int,format=yuv420p",
+                                    "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709",
+                                    "-color_range", "tv", "-c:v", "libx264", "-crf", "18", beside_};
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

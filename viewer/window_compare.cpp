@@ -14,6 +14,7 @@
 #include "render/views/false_color.h"
 #include "review/journal.h"
 #include "scenes/error.h"
+#include "scenes/file_name.h"
 #include "scenes/image_io.h"
 #include "viewer/overlay_texture.h"
 #include "viewer/picture_command.h"
@@ -28,8 +29,8 @@ constexpr int kAveraged = 4, kAveragedSmooth = 16, kAveragedFile = 16;  // frame
 constexpr float kWiperReach = 7.0f;                                     // units to each side of the line
 
 /// A file in a folder that is not there yet: NAME.exr, NAME 2.exr, ...
-std::string free_file(const fs::path& folder, std::string name, const std::string& ending) {
-  std::replace(name.begin(), name.end(), '/', '-');
+std::string free_file(const fs::path& folder, const std::string& look, const std::string& ending) {
+  const std::string name = readable_file_name(look);
   fs::path file = folder / (name + ending);
   for (int number = 2; fs::exists(file); ++number) file = folder / (name + " " + std::to_string(number) + ending);
   return file.string();

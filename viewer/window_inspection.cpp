@@ -304,7 +304,7 @@ void WindowInspection::carry_out(const InspectionActions& actions, WindowSession
       options.r_point_m = glm::dvec3(view.r_point_m[0], view.r_point_m[1], view.r_point_m[2]);
     const VehicleAxes axes = vehicle_axes(options.axes);
     const glm::dvec3 eye = eye_of_button(actions.eye_point, view, r_point_of(session->scene(), options), axes);
-    session->state.camera = camera_at_eye(session->state.camera, eye, axes);
+    session->put_camera(camera_at_eye(session->state.camera, eye, axes));
   } catch (const Error& error) {
     session->add_message(MessageLevel::error, error.what());
   }

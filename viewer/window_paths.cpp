@@ -5,6 +5,7 @@
 
 #include "review/review.h"
 #include "scenes/error.h"
+#include "scenes/file_name.h"
 
 namespace maquette {
 
@@ -53,9 +54,7 @@ void write_path(WindowSession* session) {
   const std::string& review = session->review().file();
   const std::filesystem::path folder =
       review.empty() ? std::filesystem::current_path() : std::filesystem::path(review).parent_path();
-  std::string name = path->name;
-  std::replace(name.begin(), name.end(), '/', '-');
-  const std::string file = (folder / (name + ".path.json")).string();
+  const std::string file = (folder / (readable_file_name(path->name) + ".path.json")).string();
   try {
     save_path(file, *path);
     session->add_message(MessageLevel::note, "written: " + file);

@@ -91,10 +91,14 @@ void WindowSession::open_path(const std::string& source) {
 }
 
 void WindowSession::offer_left_behind() {
-  for (const std::string& journal : OpenReview::left_behind())
-    messages_.push_back({MessageLevel::warning, "An untitled review was not saved when its window closed.", true,
-                         "untitled", "Open it again",
-                         [journal](EditorState* editor) { editor->continued_journal = journal; }});
+  const std::vector<std::string> left = OpenReview::left_behind();
+  if (left.empty()) return;
+  const std::string text =
+      left.size() == 1 ? "An untitled review was not saved when its window closed."
+                       : std::to_string(left.size()) + " untitled reviews were not saved when their windows closed.";
+  messages_.push_back({MessageLevel::warning, text, true, "untitled",
+                       left.size() == 1 ? "Open it again" : "Open the last one again",
+                       [journal = left.front()](EditorState* editor) { editor->continued_journal = journal; }});
 }
 
 void WindowSession::continue_review(const std::string& journal) {

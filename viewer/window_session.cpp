@@ -251,7 +251,8 @@ void WindowSession::update(bool busy, double now_s) {
   if (state.edits.dents != applied_.dents) apply_dents();
   if (state.edits.hidden_nodes != applied_.hidden_nodes) apply_visibility();
   // While a scene is being exchanged there is no one state.
-  if (!opening_) review_->observe(review_now(), busy || dragged_dent_.has_value());
+  const bool held = busy || dragged_dent_.has_value();
+  if (!opening_) review_->observe(review_now(), held, !held && std::exchange(camera_put_, false));
   watch_bakes(busy || dragged_dent_.has_value());
   report_notes();
   advise();
@@ -428,14 +429,22 @@ void WindowSession::meter_if_requested(bool continued) {
   metering_ = !continued || !renderer_.background_work().empty() || ++frames_metered_ < kFramesOfABake;
 }
 
+void WindowSession::put_camera(const CameraView& camera) {
+  state.camera = camera;
+  camera_put_ = true;
+}
+
 /// A camera of a file has no target distance: that of the middle of the scene is used.
 void WindowSession::set_camera(const CameraView& camera) {
-  state.camera = camera;
+  put_camera(camera);
   const float distance = glm::dot(bounds_.center() - camera.eye, glm::normalize(camera.target - camera.eye));
   if (!bounds_.empty()) set_target_distance(&state.camera, std::max(distance, 0.05f * bounds_.radius()));
 }
 
-void WindowSession::frame_scene(float aspect) { frame_bounds(&state.camera, bounds_, aspect); }
+void WindowSession::frame_scene(float aspect) {
+  frame_bounds(&state.camera, bounds_, aspect);
+  camera_put_ = true;
+}
 
 FrameRequest WindowSession::make_frame_request(int width, int height) const {
   FrameSize size;

@@ -51,6 +51,8 @@ class WindowSession {
   const OpenReview& review() const { return *review_; }
   void go_to_camera(int index);
   void frame_scene(float aspect);
+  /// Elsewhere at once: a step of its own.
+  void put_camera(const CameraView& camera);
   /// Requests that the exposure is computed from the picture: from the next one while nothing moves, and again until
   /// the results of all background work are visible.
   void request_metering() { metering_ = true; }
@@ -183,6 +185,7 @@ class WindowSession {
   std::shared_ptr<const Scene> surfaces_of_;
   std::unique_ptr<DentedSurfaces> surfaces_;
   std::optional<std::size_t> dragged_dent_;
+  bool camera_put_ = false;  ///< since the review was told
   bool metering_ = true;
   /// What the exposure was metered for: another of these is metered again.
   struct Metered {

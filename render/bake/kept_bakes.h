@@ -73,6 +73,7 @@ struct BakePlace {
   std::string path;  ///< empty: nowhere
   /// Named by the user: what is damaged or cannot be written is an error. Of the cache, it is as good as absent.
   bool must_work = false;
+  bool writable = true;  ///< else it is only read: what a review or a setting names is not for drawing to write
 };
 
 /// A kind that is kept in one file, whole or in part, and resumed from it.
@@ -92,7 +93,7 @@ class FileBakeKind : public BakeKind<Input, Value> {
   }
   void save(const Input& input, const Value& value, bool complete) override {
     const BakePlace at = place(input);
-    if (at.path.empty()) return;
+    if (at.path.empty() || !at.writable) return;
     try {
       std::error_code ignored;
       std::filesystem::create_directories(std::filesystem::path(at.path).parent_path(), ignored);

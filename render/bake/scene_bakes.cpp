@@ -128,6 +128,7 @@ OctreeJob SceneBakes::make_octree_job(const SceneState& scene, const OctreeState
   job.path = state.path;
   job.scene = scene.scene().name;
   job.must_load = !folder.empty();
+  job.keeps = folder.empty();
   return job;
 }
 

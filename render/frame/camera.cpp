@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "render/math/shared_formulas.h"
+#include "scenes/error.h"
 
 namespace maquette {
 
@@ -17,7 +20,18 @@ bool operator==(const CameraView& a, const CameraView& b) {
          a.height_m == b.height_m && a.near_m == b.near_m && a.far_m == b.far_m && a.section == b.section;
 }
 
+void require_usable(const CameraView& camera) {
+  constexpr float kFarthest_m = 1e12f;  // squares and products of coordinates are finite
+  for (const auto& [what, p] : {std::pair{"eye", camera.eye}, std::pair{"target", camera.target}})
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(p[c]) <= kFarthest_m))
+        throw Error("camera", std::string("its ") + what + " is farther than 1e12 m from the origin", "move it nearer");
+}
+
 namespace {
+
+/// No far piece moves the near plane beyond this: reversed depth in floats resolves 2^-24 of any distance.
+constexpr float kNearest_m = 1e-3f;
 
 /// Moves the eye of an orthographic camera near to what is drawn, and sets the range of depths.
 void set_depths(const Bounds& bounds, CameraFrame* frame) {
@@ -53,7 +67,7 @@ CameraFrame make_camera_frame(const CameraView& view, int width, int height, con
   frame.half_y = frame.orthographic ? 0.5f * view.height_m : std::tan(0.5f * view.fov_y_rad);
   frame.half_x = frame.half_y * (static_cast<float>(width) / static_cast<float>(height));
   const float extent = bounds.empty() ? 1.0f : bounds.radius() + glm::length(view.eye - bounds.center());
-  frame.near_m = view.near_m > 0.0f ? view.near_m : std::max(extent * 1e-4f, 1e-30f);
+  frame.near_m = view.near_m > 0.0f ? view.near_m : std::max(std::min(extent * 1e-4f, kNearest_m), 1e-30f);
   if (frame.orthographic) set_depths(bounds, &frame);
   return frame;
 }

@@ -25,6 +25,9 @@ struct CameraView {
 };
 bool operator==(const CameraView& a, const CameraView& b);
 
+/// Throws Error where an eye or target is so far away, or no number at all, that no ray starts there.
+void require_usable(const CameraView& camera);
+
 struct EyeRay {
   glm::vec3 origin{0.0f};
   glm::vec3 direction{0.0f};  ///< not normalised: its parameter is the depth along the viewing axis, m

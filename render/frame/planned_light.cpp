@@ -58,7 +58,7 @@ void decide_shadow_rays(const Planning& p, const Technique& mode, ShadingPlan* s
   if (!p.in.status.has_geometry) return leave_out("nothing is there to occlude", kScene);
   if (!p.in.status.shadow_rays.ready) return leave_out("what they meet is not built yet", kStatus);
   shading->shadow_rays = true;
-  shading->sky_rays = p.in.status.accumulated > 0 && !awaits_indirect(p, mode);
+  shading->sky_rays = (p.in.status.accumulated > 0 || p.in.status.single) && !awaits_indirect(p, mode);
   shading->sun_apart = p.in.status.has_sun;
 }
 

@@ -33,6 +33,8 @@ struct FrameRequest {
   std::vector<PartMode> part_modes = {};
   /// Seen by an eye only, through a tone curve: what cannot be told apart may be left out (`reflections.skip`).
   bool display = false;
+  /// No other frame follows: its points get rays to the sky at once, and as many as some frames of a picture at rest.
+  bool single = false;
   Settings settings;
   /// Mode reference stops tracing then, within a pass if need be.
   std::optional<std::chrono::steady_clock::time_point> deadline = {};

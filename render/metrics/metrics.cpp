@@ -81,7 +81,9 @@ void add_notes(const Image& reference, ErrorFigures* f) {
   }
   if (!f->relative_rmse)
     f->notes.push_back("the reference is black where it is compared: relative figures do not exist");
-  if (f->rmse && *f->rmse == 0.0) f->notes.push_back("the pictures are equal");
+  if (f->rmse && *f->rmse == 0.0)
+    f->notes.push_back(f->invalid_count > 0 ? "the pictures are equal where both are finite"
+                                            : "the pictures are equal");
   std::size_t dark = 0;
   for (int y = 0; y < reference.height; ++y)
     for (int x = 0; x < reference.width; ++x)

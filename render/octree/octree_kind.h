@@ -19,6 +19,7 @@ struct OctreeJob {
   std::string path;                            ///< of the bake file; empty: none
   std::string scene;                           ///< its name, for the file
   bool must_load = false;                      ///< a file that is there and damaged is an error, not absent
+  bool keeps = true;                           ///< the file is written
 };
 
 /// What the file's own materials and visible nodes give; the renderer's job differs where materials are replaced.
@@ -36,7 +37,7 @@ class OctreeKind : public FileBakeKind<OctreeJob, OctreeResult> {
   Baked<OctreeResult> run(const OctreeJob&, const Baked<OctreeResult>& kept, const BakeTask<OctreeResult>&) override;
 
  protected:
-  BakePlace place(const OctreeJob& job) const override { return {job.path, job.must_load}; }
+  BakePlace place(const OctreeJob& job) const override { return {job.path, job.must_load, job.keeps}; }
   OctreeResult read(const std::string& path) const override;
   void write(const std::string& path, const OctreeJob&, const OctreeResult&, bool complete) const override;
 };

@@ -42,7 +42,7 @@ Technique octree_technique() {
                "x0,y0,z0,x1,y1,z1 (m), separated by semicolons; empty: everything"},
       {.name = "octree.bake",
        .default_value = std::string(),
-       .help = "folder of `maquette bake octree`; empty: the cache"},
+       .help = "folder of `maquette bake octree`, which is only read; empty: the cache"},
   };
   info.can = {.needs_octree = true, .hits_cells = true, .skips_rays = true, .skips_cheap_rays = true};
   info.has_effect = [](const Technique& mode, const Technique* reflector, const Settings& settings) {

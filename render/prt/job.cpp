@@ -1,5 +1,6 @@
 #include "render/prt/job.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -22,6 +23,11 @@ Material material_of(const TransferInput& input, const DrawItem& item) {
 
 bool is_opaque(const Material& material) {
   return !(pane_share(material) > 0.0f) && material.alpha_mode != AlphaMode::blend;
+}
+
+std::string part_name(const Scene& scene, const DrawItem& item) {
+  const std::string name = item.node >= 0 ? scene.nodes[static_cast<std::size_t>(item.node)].name : std::string();
+  return name.empty() ? "node " + std::to_string(item.node) : "part " + name;
 }
 
 bool is_shown(const TransferInput& input, const DrawItem& item) {
@@ -105,6 +111,18 @@ TransferForm choose_transfer_form(const Settings& settings, std::size_t triangle
   return {false, size};
 }
 
+std::string check_transfer_part(const FlatGeometry& geometry, const DrawItem& item, const Material& material) {
+  if (material.measured.empty() || material.tint_measured) {
+    const auto first = geometry.colors.begin() + static_cast<std::ptrdiff_t>(item.first_vertex);
+    if (std::any_of(first, first + static_cast<std::ptrdiff_t>(item.vertex_count),
+                    [](const glm::vec4& color) { return glm::vec3(color) != glm::vec3(1.0f); }))
+      return "its vertices have colours";
+  }
+  if (material.double_sided && item.patch < 0 && (material.alpha_mode == AlphaMode::mask || !is_closed(geometry, item)))
+    return "it is two-sided and open, and transfer has no light for its back";
+  return {};
+}
+
 std::vector<std::size_t> find_transfer_items(const TransferInput& input) {
   const std::vector<bool> named = named_nodes(*input.scene, input.settings.get_string("prt.parts"));
   std::vector<std::size_t> items;
@@ -129,12 +147,16 @@ TransferJob make_transfer_job(const TransferInput& input, const std::string& fol
       choose_transfer_form(input.settings, compute_facts(*input.scene, input.variant).triangle_count).joint;
   const std::vector<std::size_t> items = find_transfer_items(input);
   for (const std::size_t i : items) {
-    const Material material = material_of(input, input.geometry->items[i]);
+    const DrawItem& item = input.geometry->items[i];
+    const Material material = material_of(input, item);
     if (const std::string fault = check_transfer_material(material); !fault.empty())
       throw Error(
           "material " + material.name, "precomputed radiance transfer cannot hold it: " + fault,
           "shade its parts by another mode (--mode-of), leave them out (prt.parts), or give it another material "
           "(--material)");
+    if (const std::string fault = check_transfer_part(*input.geometry, item, material); !fault.empty())
+      throw Error(part_name(*input.scene, item), "precomputed radiance transfer cannot hold it: " + fault,
+                  "shade it by another mode (--mode-of), or leave it out (prt.parts)");
   }
   const std::shared_ptr<const PathScene> scene = material_scene(input, library);
   std::map<int, std::uint32_t> group_of_material;

@@ -28,6 +28,9 @@ struct TransferForm {
 };
 TransferForm choose_transfer_form(const Settings& settings, std::size_t triangles);
 
+/// Why precomputed transfer cannot hold an item with this material, or nothing.
+std::string check_transfer_part(const FlatGeometry& geometry, const DrawItem& item, const Material& material);
+
 /// Opaque, visible items of the wanted nodes and of those that `prt.parts` names, with what is below them.
 std::vector<std::size_t> find_transfer_items(const TransferInput& input);
 

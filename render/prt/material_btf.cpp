@@ -158,6 +158,7 @@ std::string check_transfer_material(const Material& m) {
     if (m.measured.empty() && m.metallic > 0.0f) return "it is a metal with a texture";
     if (t.uv_set != 0 || t.rotation_rad != 0.0f || t.wrap_s != Wrap::repeat || t.wrap_t != Wrap::repeat)
       return "its texture does not repeat along the first texture coordinates";
+    if (t.nearest) return "its texture is not interpolated (NEAREST)";
   }
   if (m.anisotropy > 0.0f && m.measured.empty()) return "it is anisotropic";
   if (m.unlit) return "it is unlit";

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "scenes/subject_bounds.h"
+
 namespace maquette {
 
 namespace {
@@ -187,7 +189,7 @@ bool is_enclosed(const Scene& scene, int variant) {
     if (covered_share(scene, variant, glm::vec3(world[i][3])) > kEnclosedShare) return true;
     break;
   }
-  const Bounds bounds = compute_bounds(scene);
+  const Bounds bounds = subject_bounds(scene);
   return !bounds.empty() && covered_share(scene, variant, bounds.center()) > kEnclosedShare;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <tuple>
 
 #include "render/scene_state/geometry_edit.h"
 #include "scenes/error.h"
@@ -247,6 +248,36 @@ const DrawItem& item_of_triangle(const FlatGeometry& geometry, std::uint32_t tri
       std::upper_bound(geometry.items.begin(), geometry.items.end(), 3 * triangle,
                        [](std::uint32_t index, const DrawItem& item) { return index < item.first_index; });
   return *std::prev(next);
+}
+
+bool is_closed(const FlatGeometry& geometry, const DrawItem& item) {
+  std::vector<glm::vec3> corners;
+  for (const DrawItem& other : geometry.items) {
+    const bool same = item.node >= 0 ? other.node == item.node : &other == &item;
+    for (std::uint32_t k = 0; same && k < other.index_count; ++k)
+      corners.push_back(geometry.positions[geometry.indices[other.first_index + k]]);
+  }
+  const auto less = [](const glm::vec3& a, const glm::vec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
+  std::vector<glm::vec3> places = corners;
+  std::ranges::sort(places, less);
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  const auto number_of = [&](const glm::vec3& p) {
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(places, p, less) - places.begin());
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges, reversed;
+  for (std::size_t k = 0; k + 2 < corners.size(); k += 3) {
+    const std::uint32_t v[] = {number_of(corners[k]), number_of(corners[k + 1]), number_of(corners[k + 2])};
+    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;  // has no area
+    for (int e = 0; e < 3; ++e) {
+      edges.emplace_back(v[e], v[(e + 1) % 3]);
+      reversed.emplace_back(v[(e + 1) % 3], v[e]);
+    }
+  }
+  std::ranges::sort(edges);
+  std::ranges::sort(reversed);
+  return edges == reversed;
 }
 
 FlatGeometry flatten(const Scene& scene) {

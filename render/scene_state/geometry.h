@@ -35,6 +35,10 @@ struct FlatGeometry {
 /// The item that a triangle belongs to.
 const DrawItem& item_of_triangle(const FlatGeometry& geometry, std::uint32_t triangle);
 
+/// Whether the triangles of an item's node (of the item alone where it has none) have no border: each edge, by the
+/// positions of its ends, is one of two triangles that pass it in opposite directions.
+bool is_closed(const FlatGeometry& geometry, const DrawItem& item);
+
 /// Flattens `scene`; patches are tessellated by their curvature. Triangles of a mirroring transform (negative
 /// determinant) are rewound.
 FlatGeometry flatten(const Scene& scene);

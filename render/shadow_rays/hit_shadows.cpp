@@ -16,8 +16,9 @@ void HitShadows::add(const FrameContext& frame, const Layer& layer, const Reflec
   const std::size_t bytes = 64 * static_cast<std::size_t>(t.tiles.counts[0]) * sizeof(PointRays);
   if (rays_.bytes() < bytes) rays_ = Buffer("shadow rays of hits", bytes);
   const bool sky = layer.plan.sky_rays && layer.sky_frames > 0;
-  const std::vector<PointRays> rays =
-      draw_point_rays(frame, {.plan = layer.plan, .tiles = t.tiles, .sky = sky, .reflected = true}, &rays_);
+  const std::vector<PointRays> rays = draw_point_rays(
+      frame, {.plan = layer.plan, .tiles = t.tiles, .sky = sky, .reflected = true, .number = frame.accumulated},
+      &rays_);
   const PathScene& scene = *frame.bakes.shadow_scene().scene();
   const FlatGeometry& geometry = frame.scene.geometry();
   if (sky) {

@@ -70,7 +70,7 @@ std::vector<PointRays> draw_point_rays(const FrameContext& frame, const DrawnPoi
     if ((measured ? facts.measured_count : facts.analytic_count) == 0) continue;
     const Program& program = frame.programs.get(draw_variant(points, measured));
     if (sun) set_sun(program, *sun);
-    program.set("u_frame_number", frame.accumulated);
+    program.set("u_frame_number", points.number);
     program.set("u_facing_sun", !points.all && !points.sky && !points.lamps && sun && sun->compact ? 1 : 0);
     if (sun)
       glProgramUniform2i(program.get(), program.location("u_sun_list"), SunBuffers::kListLength,

@@ -36,6 +36,7 @@ struct DrawnPoints {
   bool lamps = true;       ///< rays to the scene's lights
   bool reflected = false;  ///< hits of mirrored rays
   bool all = true;         ///< also points without rays, which are then told from no point
+  int number = 0;          ///< of the rays of a point
 };
 /// Draws them on the device into `buffer`, which has room for them, and reads them.
 std::vector<PointRays> draw_point_rays(const FrameContext& frame, const DrawnPoints& points, Buffer* buffer);

@@ -10,6 +10,11 @@
 
 namespace maquette {
 
+namespace {
+/// Rays of each kind from each point of a frame that is alone.
+constexpr int kSingleRays = 8;
+}  // namespace
+
 void ShadowPass::run(const LayerContext& layer, bool averages) {
   const FrameContext& frame = layer.frame;
   const int w = frame.size().grid_width(), h = frame.size().grid_height();
@@ -38,27 +43,38 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
   if (rays_.bytes() < bytes) rays_ = Buffer("shadow rays", bytes);
   frame.timer().end("draw_rays");  // also where nothing is seen
   const SunBuffers* sun = layer.plan.sun_apart ? frame.scene.environment().sun() : nullptr;
-  const bool any = rests || with_lamps || sun, stays = layer.surfaces.kept() && sun && sun->compact,
-             known = stays && sun_shadows_.know(layer.surfaces), sun_first = known && !rests && !with_lamps;
+  const bool any = rests || with_lamps || sun || layer.plan.sky_rays,
+             stays = layer.surfaces.kept() && sun && sun->compact, known = stays && sun_shadows_.know(layer.surfaces),
+             sun_first = known && !rests && !with_lamps && !layer.plan.sky_rays;
   if (sun_first) {
     ray_count_ += sun_shadows_.trace(layer, *sun);
     frame.timer().end("trace_rays");
   }
   if (stays && !known) sun_shadows_.begin(layer.surfaces, count);
-  const Drawn drawn{.tiles = sun_first ? sun_shadows_.lit() : layer.surfaces.tiles(),
-                    .lamps = with_lamps,
-                    .sun_first = sun_first,
-                    .learns = stays && !known};
-  for (std::size_t band = 0; any && band < drawn.tiles.counts.size(); ++band)
-    if (drawn.tiles.counts[band] > 0) trace_band(layer, band, drawn);
+  const int rounds = frame.request.single && !rests && !sun_first ? kSingleRays : 1;
+  Drawn drawn{.tiles = sun_first ? sun_shadows_.lit() : layer.surfaces.tiles(),
+              .lamps = with_lamps,
+              .sun_first = sun_first,
+              .learns = stays && !known};
+  for (int round = 0; round < rounds; ++round) {
+    if (round > 0) {
+      ++frames_;
+      lamp_frames_ += with_lamps ? 1 : 0;
+    }
+    drawn.number = frame.accumulated + round;
+    for (std::size_t band = 0; any && band < drawn.tiles.counts.size(); ++band)
+      if (drawn.tiles.counts[band] > 0) trace_band(layer, band, drawn);
+    sky_frames_ += layer.plan.sky_rays ? 1 : 0;
+  }
   sum_.resize(count);
   parallel_ranges<std::size_t>(0, count, 4096, [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i)
       sum_[i] = layer.plan.lights ? sun_[i] + lamps_[i] : sun_[i];
   });
   if (layer.plan.sky_rays) {
-    ++sky_frames_;
-    const std::vector<glm::vec4>& smooth = filter_.run(points_, sky_, {w, h}, sky_frames_);
+    // Where pictures are averaged, the filter narrows with them: their mean must not keep its blur.
+    const int smoothed = std::max(averages ? sky_frames_ : frame.accumulated * frame.accumulated, rounds);
+    const std::vector<glm::vec4>& smooth = filter_.run(points_, sky_, {w, h}, smoothed);
     for (std::size_t i = 0; i < count; ++i) sum_[i] += smooth[i] * glm::vec4(points_[i].base, 0.0f);
   }
   light_.upload(0, w, h, GL_RGBA, GL_FLOAT, sum_.data());
@@ -69,10 +85,15 @@ void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, const D
   const FrameContext& frame = layer.frame;
   const bool sky = layer.plan.sky_rays;
   glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
-  const std::vector<PointRays> rays = draw_point_rays(
-      frame,
-      {.plan = layer.plan, .tiles = drawn.tiles, .band = band, .sky = sky, .lamps = drawn.lamps, .all = drawn.learns},
-      &rays_);
+  const std::vector<PointRays> rays = draw_point_rays(frame,
+                                                      {.plan = layer.plan,
+                                                       .tiles = drawn.tiles,
+                                                       .band = band,
+                                                       .sky = sky,
+                                                       .lamps = drawn.lamps,
+                                                       .all = drawn.learns,
+                                                       .number = drawn.number},
+                                                      &rays_);
   frame.timer().end("draw_rays");
   const PathScene& scene = *frame.bakes.shadow_scene().scene();
   const FlatGeometry& geometry = frame.scene.geometry();

@@ -30,6 +30,7 @@ class ShadowPass {
     bool lamps = false;
     bool sun_first = false;  ///< the sun's rays are traced
     bool learns = false;     ///< all places, for frames where they are
+    int number = 0;          ///< of the rays of a point
   };
   void trace_band(const LayerContext& layer, std::size_t band, const Drawn& drawn);
 

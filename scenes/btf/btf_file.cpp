@@ -14,9 +14,11 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "scenes/error.h"
+#include "scenes/exr_stream.h"
 #include "scenes/files.h"
 #include "scenes/image_exr_threads.h"
 
@@ -165,9 +167,10 @@ void write_parts(const std::string& path, const Btf& btf) {
   attribute("maquette.btf_hash", hex(btf.hash));
   for (const auto& [name, value] : btf.provenance) attribute(kPrefix + name, value);
 
-  Imf::MultiPartOutputFile output(path.c_str(), headers.data(), static_cast<int>(headers.size()));
+  ExrStream stream(path);
+  auto output = std::make_unique<Imf::MultiPartOutputFile>(stream, headers.data(), static_cast<int>(headers.size()));
   for (std::size_t v = 0; v < btf.views.size(); ++v) {
-    Imf::OutputPart part(output, static_cast<int>(v));
+    Imf::OutputPart part(*output, static_cast<int>(v));
     // OpenEXR takes what it writes as not constant.
     part.setFrameBuffer(
         factor_slices(btf.width, btf.height, components, const_cast<std::uint16_t*>(btf.views[v].factors.data())));
@@ -175,10 +178,12 @@ void write_parts(const std::string& path, const Btf& btf) {
   }
   int next = static_cast<int>(btf.views.size());
   for (FloatTable* table : {&views, &lights}) {
-    Imf::OutputPart part(output, next++);
+    Imf::OutputPart part(*output, next++);
     part.setFrameBuffer(table->slices());
     part.writePixels(table->height);
   }
+  output.reset();
+  stream.close();
 }
 
 std::optional<std::string> text_attribute(const Imf::Header& header, const std::string& name) {

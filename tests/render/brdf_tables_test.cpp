@@ -145,18 +145,18 @@ TEST(ImportanceTables, EveryDirectionAboveTheHorizonHasDensity) {
 /// Chi-square of samples against the integrated density over bins of wi (cos theta, phi). The threshold is five
 /// standard deviations of the statistic, seeds are fixed.
 void expect_chi_square(const BrdfTable& brdf, double theta_o, double phi_o) {
-  constexpr int kThetaBins = 16, kPhiBins = 24, kSub = 24, kSamples = 200000;
+  constexpr int kTableThetaBins = 16, kPhiBins = 24, kSub = 24, kSamples = 200000;
   const BrdfTables tables = compute_brdf_tables(brdf);
   BrdfSampler sampler(tables);
   const glm::vec3 wo(direction(theta_o, phi_o));
-  std::vector<double> expected(kThetaBins * kPhiBins, 0.0), counted(expected.size(), 0.0);
+  std::vector<double> expected(kTableThetaBins * kPhiBins, 0.0), counted(expected.size(), 0.0);
   double expected_all = 0.0;
-  for (int i = 0; i < kThetaBins * kSub; ++i) {
+  for (int i = 0; i < kTableThetaBins * kSub; ++i) {
     for (int j = 0; j < kPhiBins * kSub; ++j) {
-      const double z = (i + 0.5) / (kThetaBins * kSub), phi = 2.0 * std::numbers::pi * (j + 0.5) / (kPhiBins * kSub);
+      const double z = (i + 0.5) / (kTableThetaBins * kSub), phi = 2.0 * std::numbers::pi * (j + 0.5) / (kPhiBins * kSub);
       const glm::vec3 wi(direction(std::acos(z), phi));
       const double mass = static_cast<double>(sampler.brdf_sample_pdf(wo, wi)) * 2.0 * std::numbers::pi /
-                          (kThetaBins * kSub * kPhiBins * kSub);
+                          (kTableThetaBins * kSub * kPhiBins * kSub);
       expected[static_cast<std::size_t>(i / kSub * kPhiBins + j / kSub)] += mass * kSamples;
       expected_all += mass * kSamples;
     }
@@ -171,7 +171,7 @@ void expect_chi_square(const BrdfTable& brdf, double theta_o, double phi_o) {
       continue;
     }
     ASSERT_NEAR(glm::length(sample.wi), 1.0f, 1e-5f);
-    const int i = std::min(static_cast<int>(sample.wi.z * kThetaBins), kThetaBins - 1);
+    const int i = std::min(static_cast<int>(sample.wi.z * kTableThetaBins), kTableThetaBins - 1);
     double phi = std::atan2(sample.wi.y, sample.wi.x);
     if (phi < 0.0) phi += 2.0 * std::numbers::pi;
     counted[static_cast<std::size_t>(

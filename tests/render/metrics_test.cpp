@@ -93,6 +93,7 @@ TEST(MeasureError, BrokenPixelsDoNotSpread) {
   EXPECT_EQ(*report.figures.flip, 0.0);
   EXPECT_EQ(*report.figures.flip_ldr, 0.0);
   EXPECT_EQ(report.figures.invalid_count, 1u);
+  EXPECT_NE(report.figures.notes.back().find("equal where both are finite"), std::string::npos);
   EXPECT_NE(report.figures.notes.front().find("NaN"), std::string::npos);
   const Image picture = difference_picture(report, image, reference);
   EXPECT_EQ(picture.at(20, 20, 0), 1.0f);

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "scenes/error.h"
 #include "tests/support/test_scenes.h"
@@ -106,8 +107,8 @@ TEST(Reference, StopsAtOnceAndContinuesWhereItStopped) {
   const auto traced = build_path_scene({.scene = scene, .environment = constant_sky(1.0f)});
   ReferencePicture stopped(traced, sphere_request(32)), whole(traced, sphere_request(32));
   std::stop_source source;
-  const auto stop = [&](double) { source.request_stop(); };
-  EXPECT_FALSE(stopped.add(1 << 20, source.get_token(), stop)) << "a million paths a pixel cannot have been traced";
+  const std::jthread later([&] { source.request_stop(); });
+  EXPECT_FALSE(stopped.add(1 << 20, source.get_token())) << "a million paths a pixel cannot have been traced";
   std::stop_source at_once;
   at_once.request_stop();
   ReferencePicture none(traced, sphere_request(32));

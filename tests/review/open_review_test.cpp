@@ -177,6 +177,56 @@ TEST_F(OpenReviews, ADragOfSomethingElseThanTheLookIsADraftToo) {
   EXPECT_EQ(review_from_document(read_journal(journal_file(file_))->history.document(), ""), now);
 }
 
+/// An eye that was put somewhere is one step, the orbit behind it another: from the journal, too.
+TEST_F(OpenReviews, ACameraThatIsPutSomewhereIsAStepOfItsOwn) {
+  save(0.0f);
+  {
+    OpenReview open(file_);
+    Review now = open.review();
+    const auto move = [&](float x, bool apart) {
+      now.look.camera.eye.x = x;
+      open.observe(now, false, apart);
+    };
+    move(1.0f, false);
+    move(2.0f, false);
+    move(7.0f, true);
+    move(8.0f, false);
+    move(9.0f, false);
+  }
+  OpenReview again(file_);
+  Review now = again.review();
+  EXPECT_EQ(now.look.camera.eye.x, 9.0f);
+  EXPECT_EQ(again.undo()->look.camera.eye.x, 7.0f) << "the orbit";
+  EXPECT_EQ(again.undo()->look.camera.eye.x, 2.0f) << "the eye";
+  EXPECT_EQ(again.redo()->look.camera.eye.x, 7.0f);
+  now.look.camera.eye.x = 5.0f;
+  again.observe(now, false);
+  EXPECT_EQ(again.undo()->look.camera.eye.x, 7.0f) << "a move behind it does not join it";
+}
+
+/// Windows that crash again and again: the latest reviews stay, and each new one is kept.
+TEST_F(OpenReviews, ManyUntitledOnesAreNotTheEndOfKeeping) {
+  std::string newest;
+  for (int i = 0; i < 130; ++i) {
+    const pid_t child = fork();
+    if (child == 0) {
+      OpenReview open(Review{});
+      Review now = open.review();
+      now.look.exposure_ev = static_cast<float>(i);
+      open.observe(now, false);
+      _exit(open.take_notes().empty() ? 0 : 1);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "window " << i << " keeps nothing";
+  }
+  const std::vector<std::string> left = OpenReview::left_behind();
+  EXPECT_LE(left.size(), 21u);
+  EXPECT_GE(left.size(), 20u);
+  const auto kept = OpenReview::continued(left.front());
+  EXPECT_EQ(kept->review().look.exposure_ev, 129.0f) << "the latest is there";
+}
+
 TEST_F(OpenReviews, UntitledOnesAreFoundAgain) {
   { OpenReview nothing_happened{Review()}; }
   EXPECT_TRUE(OpenReview::left_behind().empty());

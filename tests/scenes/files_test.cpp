@@ -151,6 +151,22 @@ TEST_F(FilesTest, DamagedCacheEntryCountsAsAbsent) {
   EXPECT_TRUE(cache_load("table", 1, 7));
 }
 
+TEST_F(FilesTest, ARelativeCacheFolderIsIgnored) {
+  const char* before = std::getenv("XDG_CACHE_HOME");
+  const std::string kept = before ? before : "", home = std::getenv("HOME") ? std::getenv("HOME") : "";
+  unsetenv("MAQUETTE_CACHE");
+  setenv("XDG_CACHE_HOME", "a/relative/path", 1);
+  setenv("HOME", path("").c_str(), 1);
+  EXPECT_EQ(cache_folder(), fs::path(path("")) / ".cache" / "maquette");
+  setenv("XDG_CACHE_HOME", path("cache").c_str(), 1);
+  EXPECT_EQ(cache_folder(), fs::path(path("cache")) / "maquette");
+  setenv("HOME", home.c_str(), 1);
+  if (before)
+    setenv("XDG_CACHE_HOME", kept.c_str(), 1);
+  else
+    unsetenv("XDG_CACHE_HOME");
+}
+
 TEST_F(FilesTest, CacheCanBeSwitchedOffAndMayFail) {
   setenv("MAQUETTE_CACHE", "", 1);
   cache_store("table", 1, 7, bytes_of("x"));

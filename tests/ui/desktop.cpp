@@ -197,8 +197,8 @@ void Desktop::move(float x, float y) {
 }
 
 void Desktop::click(const Rect& rect) {
-  move(rect.x + 0.5f * rect.width, rect.y + 0.5f * rect.height);
-  input({"click", "1"});
+  input({"mousemove", std::to_string(std::lround(rect.x + 0.5f * rect.width)),
+         std::to_string(std::lround(rect.y + 0.5f * rect.height)), "click", "1"});
 }
 
 bool Desktop::wait_for_frames() {

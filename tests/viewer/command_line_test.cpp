@@ -228,6 +228,23 @@ TEST(CommandLine, TurnsNodes) {
     EXPECT_THROW(parse({"render", "-o", "a.png", "--turn", wrong}), UsageError) << wrong;
 }
 
+/// Names of files have whatever somebody typed.
+TEST(CommandLine, NamesMayHaveAnEqualsSign) {
+  const auto material = [](const std::string& text) {
+    return parse({"render", "car.glb", "-o", "a.exr", "--material", text}).options.materials.back();
+  };
+  EXPECT_EQ(material("Paint=a=b.binary"), (std::pair<std::string, std::string>{"Paint", "a=b.binary"}));
+  EXPECT_EQ(material("a=b=builtin:matte-white"), (std::pair<std::string, std::string>{"a=b", "builtin:matte-white"}));
+  EXPECT_EQ(material("=a=builtin:glass"), (std::pair<std::string, std::string>{"=a", "builtin:glass"}));
+  EXPECT_EQ(parse({"render", "car.glb", "-o", "a.exr", "--turn", "door=left=0,1,0,30"}).options.turns.back().node,
+            "door=left");
+  const SceneOptions named = parse({"render", "car.glb", "-o", "a.exr", "--animation", "open=wide"}).options;
+  EXPECT_EQ(named.animation.name, "open=wide");
+  const SceneOptions timed = parse({"render", "car.glb", "-o", "a.exr", "--animation", "open=wide=1.5"}).options;
+  EXPECT_EQ(timed.animation.name, "open=wide");
+  EXPECT_EQ(timed.animation.time_s, 1.5);
+}
+
 TEST(CommandLine, ReviewsAndPathsAreToldFromScenes) {
   EXPECT_TRUE(contains(usage_error({"render", "-o", "a.png", "--look", "A"}), "there is no review"));
   const SceneOptions review = parse({"render", "a.maquette.json", "--look", "A", "-o", "a.png"}).options;

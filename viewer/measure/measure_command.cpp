@@ -4,6 +4,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/ground.h"
+#include "scenes/harmless.h"
 #include "viewer/btf_preparation.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
@@ -11,6 +12,7 @@
 #include "viewer/interrupt.h"
 #include "viewer/measure/measure_files.h"
 #include "viewer/outputs.h"
+#include "viewer/print.h"
 #include "viewer/progress_lines.h"
 #include "viewer/review_options.h"
 #include "viewer/session.h"
@@ -52,9 +54,8 @@ int run_measure(const CommandLine& line) {
   if (measured.night && measured.lux_on_glass)
     throw UsageError("--night", "it excludes --lux-on-glass", "leave one of them out");
   const auto environment = std::make_shared<const Environment>(load_environment(options.environment));
-  for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  for (const std::string& warning : environment->warnings)
-    std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
+  print_warnings("", scene->warnings);
+  print_warnings(environment->name, environment->warnings);
   prepare_btfs(options, *scene);
   const std::shared_ptr<const Scene> drawn =
       with_ground(scene, *environment, options.settings, radians(options.env_rotation_deg));
@@ -71,7 +72,10 @@ int run_measure(const CommandLine& line) {
     write_text(options.output,
                lower_extension(options.output) == ".csv" ? measurement_csv(result) : measurement_json(result));
   if (!measured.layers.empty()) write_layers(measured.layers, result, last);
-  std::fputs(line.json ? measurement_json(result).c_str() : measurement_text(result).c_str(), stdout);
+  if (line.json)
+    std::fputs(harmless_json(measurement_json(result)).c_str(), stdout);
+  else
+    print_text(stdout, measurement_text(result));
   return 0;
 }
 

@@ -32,7 +32,7 @@ std::vector<double> whole_numbers(const std::string& text, const std::string& wh
 }
 
 void parse_region(MeasureOptions* o, const std::string& text) {
-  const auto [name, box] = parse_pair(text, "--region", "NAME=x,y,width,height");
+  const auto [name, box] = parse_pair(text, "--region", "NAME=x,y,width,height", true);
   const std::vector<double> v = whole_numbers(box, "--region " + name, 4, "x,y,width,height");
   if (v[2] < 1 || v[3] < 1) throw UsageError("--region " + name, "it has no pixels", "width and height start at 1");
   o->regions.push_back(

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "scenes/file_name.h"
 #include "scenes/files.h"
 #include "viewer/outputs.h"
 
@@ -89,10 +90,8 @@ std::vector<Chart> list_charts(const Report& report) {
   const auto add = [&](const std::string& camera, Scope scope, Metric metric) {
     Chart chart;
     chart.camera = camera;
-    chart.name = (camera.empty() ? "all-cameras" : camera) + "-" + scope_name(scope) + "-" + metric_name(metric);
-    std::replace_if(
-        chart.name.begin(), chart.name.end(), [](unsigned char c) { return !std::isalnum(c) && c != '-' && c != '_'; },
-        '-');
+    chart.name = (camera.empty() ? "all-cameras" : "camera-" + file_name_of(camera)) + "-" + scope_name(scope) + "-" +
+                 metric_name(metric);
     chart.title = error_title(scope) + (metric == Metric::flip ? ", FLIP" : ", relative RMSE");
     chart.metric = metric;
     chart.techniques = names;

@@ -7,6 +7,7 @@
 
 #include "render/picture/tonemap.h"
 #include "scenes/error.h"
+#include "scenes/file_name.h"
 #include "scenes/image_io.h"
 #include "scenes/percent.h"
 #include "viewer/interrupt.h"
@@ -27,12 +28,6 @@ constexpr double kWritingShare = 0.08, kMostWriting_s = 12.0;
 constexpr double kSameError = 0.005;
 constexpr int kIdleSteps = 2;
 constexpr std::uint32_t kFirstSeed = 1;
-
-std::string file_name(const std::string& text) {
-  std::string name;
-  for (const char c : text) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
-  return name;
-}
 
 /// A picture for the page: the sky is opaque.
 Image shown(const Image& radiance, float exposure_ev, const std::string& tonemap) {
@@ -109,7 +104,7 @@ void Conductor::make_references(Report* report) {
     }
     const Judge& judge = judges_[{cameras_[c].name, Scope::model}];
     std::filesystem::create_directories(folder_ + "/pictures");
-    report->cameras[c].reference_picture = "pictures/" + file_name(cameras_[c].name) + "-reference.png";
+    report->cameras[c].reference_picture = "pictures/" + file_name_of(cameras_[c].name) + "-reference.png";
     save_png(folder_ + "/" + report->cameras[c].reference_picture,
              shown(judge.picture, exposure_of_camera(cameras_[c].name), studio_->options().tonemap));
     make_reflection_reference(c, report);
@@ -290,8 +285,8 @@ void Conductor::note_progress(Ladder* ladder, const QualityStep& step, const std
 }
 
 void Conductor::write_pictures(const Image& radiance, const Image& flip_map, const Image& reference, Point* point) {
-  const std::string base =
-      "pictures/" + file_name(point->camera) + "-" + file_name(point->technique) + "-" + file_name(point->quality);
+  const std::string base = "pictures/" + file_name_of(point->camera) + "-" + file_name_of(point->technique) + "-" +
+                           file_name_of(point->quality);
   point->picture = base + ".png";
   point->difference = base + "-flip.png";
   save_png(folder_ + "/" + point->picture,

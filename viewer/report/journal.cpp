@@ -5,6 +5,7 @@
 
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/json_fault.h"
 #include "viewer/json_values.h"
 #include "viewer/outputs.h"
 
@@ -117,8 +118,8 @@ Journal::Journal(const std::string& folder) : path_(folder + "/progress.json") {
     references_.clear();
     std::error_code ignored;
     std::filesystem::rename(path_, path_ + ".damaged", ignored);
-    note_ =
-        path_ + ": earlier results cannot be read and were set aside as progress.json.damaged (" + problem.what() + ")";
+    note_ = path_ + ": earlier results cannot be read and were set aside as progress.json.damaged (" +
+            json_fault(problem.what()) + ")";
   }
 }
 

@@ -5,12 +5,14 @@
 #include <filesystem>
 
 #include "scenes/error.h"
+#include "scenes/harmless.h"
 #include "viewer/bake_lines.h"
 #include "viewer/budget_curve.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
 #include "viewer/interrupt.h"
 #include "viewer/outputs.h"
+#include "viewer/print.h"
 #include "viewer/report/charts.h"
 #include "viewer/report/conductor.h"
 #include "viewer/report/machine.h"
@@ -37,7 +39,7 @@ class Progress {
     const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
     if (!terminal_ && written_ && seconds - last_s_ < kQuiet_s) return;
     std::fprintf(stderr, terminal_ ? "\r\033[K%4.0f of %.0f s  %s" : "%4.0f of %.0f s  %s\n", seconds, budget_s_,
-                 line.c_str());
+                 harmless(line).c_str());
     std::fflush(stderr);
     last_s_ = seconds;
     written_ = true;
@@ -107,7 +109,7 @@ int run_report(const CommandLine& line) {
   {
     Progress progress(options.budget_s);
     Journal journal(folder);
-    if (!journal.note().empty()) std::fprintf(stderr, "warning: %s\n", journal.note().c_str());
+    if (!journal.note().empty()) print_line(stderr, "warning: %s\n", journal.note().c_str());
     Studio studio(options);
     if (look)
       warn_of_bakes(options, {options.look}, options.look, *look, [&](const std::string& bake) {
@@ -120,9 +122,9 @@ int run_report(const CommandLine& line) {
   }
   std::string chart_problem;
   write_outputs(folder, report, &chart_problem);
-  if (!chart_problem.empty()) std::fprintf(stderr, "warning: %s\n", chart_problem.c_str());
-  std::printf("%s/report.html: %zu points (%d of this run, %d of earlier ones), %.0f s\n", folder.c_str(),
-              report.points.size(), report.measured_now, report.reused, report.seconds);
+  if (!chart_problem.empty()) print_line(stderr, "warning: %s\n", chart_problem.c_str());
+  print_line(stdout, "%s/report.html: %zu points (%d of this run, %d of earlier ones), %.0f s\n", folder.c_str(),
+             report.points.size(), report.measured_now, report.reused, report.seconds);
   if (report.interrupted)
     throw Error("maquette report", "interrupted after " + std::to_string(report.points.size()) + " points",
                 "the same command continues from there");

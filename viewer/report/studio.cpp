@@ -10,6 +10,7 @@
 #include "ui/camera_control.h"
 #include "viewer/btf_preparation.h"
 #include "viewer/budget_curve.h"
+#include "viewer/print.h"
 #include "viewer/session.h"
 
 namespace maquette::report {
@@ -23,8 +24,8 @@ Studio::Studio(const SceneOptions& options)
       device_(query_device()),
       renderer_(std::make_unique<Renderer>()),
       key_(scene_key(*scene_)) {
-  for (const std::string& warning : scene_->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  for (const std::string& warning : environment_->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  print_warnings("", scene_->warnings);
+  print_warnings("", environment_->warnings);
   prepare_btfs(options, *scene_);
   renderer_->set_scene(scene_);
   renderer_->set_environment(environment_);

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <OpenEXR/ImfIO.h>
+
+#include <fstream>
+#include <string>
+
+namespace maquette {
+
+/// A file that OpenEXR writes. OpenEXR's own files are finished in destructors, which swallow errors of the last bytes
+/// and of the table of offsets: here they are kept for close().
+class ExrStream final : public Imf::OStream {
+ public:
+  explicit ExrStream(const std::string& path);
+  void write(const char bytes[], int count) override;
+  std::uint64_t tellp() override;
+  void seekp(std::uint64_t position) override;
+  /// Once the OutputFile is gone. Throws std::runtime_error where anything was not written.
+  void close();
+
+ private:
+  std::ofstream stream_;
+  int error_ = 0;  ///< errno of the first failure
+};
+
+}  // namespace maquette

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace maquette {
+
+/// Text for a terminal. Names come from files: what would steer the terminal or hide what follows is written as an
+/// escape: control characters (`\x1b`; with `lines` newlines and tabs stay), characters that turn the direction of
+/// writing or end lines (`\u202e`), and bytes that are no UTF-8 (`\xff`).
+std::string harmless(const std::string& text, bool lines = false);
+/// The same of a JSON document, whose strings stay what they are: by JSON's own escapes.
+std::string harmless_json(const std::string& document);
+
+}  // namespace maquette

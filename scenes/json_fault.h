@@ -1,0 +1,18 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+namespace maquette {
+
+/// What a JSON library's exception says, for people: without its own number, and without what it had read, which may be
+/// a whole file.
+inline std::string json_fault(std::string message) {
+  constexpr std::size_t kLongest = 160;
+  message.resize(std::min(message.find("; last read"), message.size()));
+  const std::size_t number = message.find("] ");
+  if (message.starts_with("[") && number != std::string::npos) message.erase(0, number + 2);
+  return message.size() > kLongest ? message.substr(0, kLongest) + " ..." : message;
+}
+
+}  // namespace maquette

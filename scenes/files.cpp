@@ -141,7 +141,9 @@ std::vector<std::byte> read_file(const std::string& path, std::size_t max_bytes)
     bytes.resize(static_cast<std::size_t>(stream.gcount()));
     return bytes;
   }
-  // A pipe or device has no known size.
+  // A pipe or device has no known size, a device no end.
+  constexpr std::size_t kMostOfAPipe = std::size_t{1} << 30;
+  max_bytes = std::min(max_bytes, kMostOfAPipe);
   char chunk[65536];
   while (stream.read(chunk, sizeof chunk), stream.gcount() > 0) {
     const auto* begin = reinterpret_cast<const std::byte*>(chunk);
@@ -223,6 +225,25 @@ void write_atomically(const std::string& named, const std::function<void(const s
     remove_quietly(temporary);
     throw;
   }
+}
+
+std::uint64_t file_stamp(const std::string& path) {
+  std::error_code code;
+  const auto stamp_of = [](const fs::path& file) {
+    std::error_code ignored;
+    const std::uint64_t parts[] = {
+        fs::file_size(file, ignored),
+        static_cast<std::uint64_t>(fs::last_write_time(file, ignored).time_since_epoch().count())};
+    return content_hash(std::as_bytes(std::span(parts)));
+  };
+  if (!fs::exists(path, code)) return 0;
+  if (!fs::is_directory(path, code)) return stamp_of(path);
+  std::uint64_t sum = 1;  // in whatever order they are listed
+  for (fs::directory_iterator entry(path, code), end; !code && entry != end; entry.increment(code)) {
+    const std::string name = entry->path().filename().string();
+    sum += content_hash(std::as_bytes(std::span(name)), stamp_of(entry->path()));
+  }
+  return sum;
 }
 
 std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t seed) {

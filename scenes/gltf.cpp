@@ -68,7 +68,7 @@ Bytes open_buffer(Document* document, std::size_t index, const Json& buffer, con
     return owned;
   }
   try {
-    owned = read_file(resolve_uri(document->path, uri));
+    owned = read_uri(document->path, uri);
   } catch (const Error& e) {
     throw Error(where, e.what(), "put the file beside the glTF");
   }

@@ -31,7 +31,7 @@ Bytes encoded_bytes(const Document& document, const Json& json, std::size_t inde
   if (json.contains("bufferView")) return view_bytes(document, json["bufferView"].get<std::size_t>());
   if (!json.contains("uri")) throw Error(where, "has neither uri nor bufferView");
   const auto& uri = json["uri"].get_ref<const std::string&>();
-  *owned = is_data_uri(uri) ? decode_data_uri(where, uri) : read_file(resolve_uri(document.path, uri));
+  *owned = is_data_uri(uri) ? decode_data_uri(where, uri) : read_uri(document.path, uri);
   return *owned;
 }
 

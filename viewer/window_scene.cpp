@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <utility>
 
+#include "render/btf/btf_source.h"
 #include "scenes/angles.h"
 #include "scenes/ground.h"
 #include "scenes/node_paths.h"
+#include "scenes/scene_files.h"
 #include "viewer/reflector_picking.h"
 #include "viewer/session.h"
 #include "viewer/window_session.h"
@@ -58,12 +61,21 @@ bool WindowSession::has_changed(const std::string& source) {
   return true;
 }
 
+/// The file, or one that it names.
+bool WindowSession::scene_has_changed(const std::string& scene) {
+  bool changed = has_changed(scene);
+  if (changed || files_of_ != scene) scene_files_ = scene_files(scene);
+  files_of_ = scene;
+  for (const std::string& file : scene_files_) changed = has_changed(file) || changed;
+  return changed;
+}
+
 void WindowSession::watch_files(double now_s) {
   constexpr double kInterval_s = 1.0;
   if (now_s - watched_s_ < kInterval_s || loading() || opening_) return;
   watched_s_ = now_s;
   const std::string& scene = scene_->name;
-  if (!scene.starts_with("builtin:") && has_changed(scene)) {
+  if (!scene.starts_with("builtin:") && scene_has_changed(scene)) {
     reading_again_ = true;
     scene_source_ = scene;
     scene_file_ = std::async(std::launch::async, [scene, of_file = scene_of_file_] {
@@ -74,6 +86,20 @@ void WindowSession::watch_files(double now_s) {
   if (!applied_.environment.starts_with("builtin:") && has_changed(applied_.environment)) {
     add_message(MessageLevel::note, applied_.environment + " has changed: it is read again");
     applied_.environment.clear();
+    known_bakes_.forget();
+  }
+  for (const auto& [name, source] : std::map(applied_.materials)) {
+    const std::uint64_t stamp = material_source_stamp(source);
+    const auto [known, is_new] = material_stamps_.try_emplace(source, stamp);
+    // It may be in work: it is read once it stays as it is.
+    if (is_new || stamp == 0 || stamp == known->second.used) {
+      known->second.seen = stamp;
+      continue;
+    }
+    if (std::exchange(known->second.seen, stamp) != stamp) continue;
+    known->second.used = stamp;
+    add_message(MessageLevel::note, source + " has changed: it is read again");
+    applied_.materials.erase(name);
     known_bakes_.forget();
   }
 }

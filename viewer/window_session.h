@@ -120,6 +120,7 @@ class WindowSession {
   /// Reads scene and environment again when their files have changed and rest; looks and edits stay.
   void watch_files(double now_s);
   bool has_changed(const std::string& source);
+  bool scene_has_changed(const std::string& scene);
   /// The look of a window without a review.
   void begin_look(const SceneOptions& options);
   void open_review(const std::string& file);
@@ -176,6 +177,13 @@ class WindowSession {
     std::filesystem::file_time_type used, seen;  ///< when it was read, and when it was looked at
   };
   std::map<std::string, Watched> watched_;
+  struct WatchedSource {
+    WatchedSource(std::uint64_t stamp) : used(stamp), seen(stamp) {}  // NOLINT(google-explicit-constructor)
+    std::uint64_t used, seen;
+  };
+  std::map<std::string, WatchedSource> material_stamps_;  ///< by the materials' sources
+  std::vector<std::string> scene_files_;                  ///< that the scene's file names
+  std::string files_of_;                                  ///< the scene's file
   double watched_s_ = -1e9;
   /// Makes BTFs: gives the source of each that is ready. Null until one is asked for.
   std::unique_ptr<BackgroundWorker<std::string, std::string>> btf_worker_;

@@ -253,6 +253,11 @@ BrdfTable mean_table(const Btf& btf) {
   return table;
 }
 
+std::uint64_t material_source_stamp(const std::string& source) {
+  if (source.empty() || source.starts_with("builtin:")) return 0;
+  return file_stamp(is_btf_source(source) ? parse_btf_source(source).place : source);
+}
+
 std::uint64_t material_source_key(const std::string& source) {
   if (is_btf_source(source) && !is_factorised(parse_btf_source(source))) return key_of(parse_btf_source(source));
   return content_hash(read_file(source));

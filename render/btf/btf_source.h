@@ -25,6 +25,9 @@ struct BtfSource {
 /// Throws UsageError for values out of range.
 BtfSource parse_btf_source(const std::string& source);
 
+/// Changes where the file or folder of a material's source is written anew; 0 for built-in ones.
+std::uint64_t material_source_stamp(const std::string& source);
+
 /// Loads a BTF: from the cache, or made and kept there. Throws Error. Cost: minutes for a built-in one that was never
 /// made, else about a second for 256 x 256 x 81. A cache that cannot be written is reported as progress, and costs time
 /// only.

@@ -71,8 +71,9 @@ void MaterialStore::reserve(std::size_t slots) {
 }
 
 int MaterialStore::slot_of(const std::string& source) {
+  const std::uint64_t stamp = material_source_stamp(source);
   for (std::size_t i = 0; i < entries_.size(); ++i)
-    if (entries_[i].source == source) return static_cast<int>(i);
+    if (entries_[i].source == source && entries_[i].stamp == stamp) return static_cast<int>(i);
   const BrdfTable brdf = load_material_table(source);
   const BrdfTables tables = load_brdf_tables(brdf);
   const std::size_t slot = entries_.size();
@@ -99,6 +100,7 @@ int MaterialStore::slot_of(const std::string& source) {
   lobes_.update(slot * lobes.size() * sizeof(glm::vec4), lobes.size() * sizeof(glm::vec4), lobes.data());
   Entry entry;
   entry.source = source;
+  entry.stamp = stamp;
   entry.hash = brdf.hash;
   entry.albedo = tables.albedo;
   entry.bandwidth_limit = *std::max_element(tables.bandwidth.begin(), tables.bandwidth.end());

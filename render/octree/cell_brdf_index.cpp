@@ -18,7 +18,7 @@ std::vector<CellMaterial> make_cell_materials(const std::vector<Material>& mater
   for (const Material& m : materials) {
     std::shared_ptr<const BrdfTable> table;
     if (!m.measured.empty()) {
-      auto& entry = (*library)[m.measured];
+      auto& entry = (*library)[m.measured + " " + std::to_string(material_source_stamp(m.measured))];
       if (!entry) entry = std::make_shared<const BrdfTable>(load_material_table(m.measured));
       table = entry;
     }
@@ -32,7 +32,8 @@ std::vector<CellMaterial> make_cell_materials(const std::vector<Material>& mater
 std::vector<std::uint64_t> cell_material_contents(const std::vector<Material>& materials) {
   std::vector<std::uint64_t> contents;
   for (const Material& m : materials)
-    contents.push_back(content_hash(std::as_bytes(std::span(m.measured)), CellMaterial(m).content()));
+    contents.push_back(content_hash(std::as_bytes(std::span(m.measured)),
+                                    CellMaterial(m).content() + material_source_stamp(m.measured)));
   contents.push_back(CellMaterial(Material{}).content());
   return contents;
 }

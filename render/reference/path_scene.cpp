@@ -31,15 +31,20 @@ std::shared_ptr<const MeasuredMaterial> load_measured(const std::string& source)
   return material;
 }
 
+/// What is kept of a source: another entry once its file is another.
+std::string measured_name(const std::string& source) {
+  return source + " " + std::to_string(material_source_stamp(source));
+}
+
 /// In parallel: much of the time of each is reading.
 void load_measured(const std::vector<Material>& materials, MeasuredLibrary* library) {
   std::set<std::string> missing;
   for (const Material& m : materials)
-    if (!m.measured.empty() && !library->contains(m.measured)) missing.insert(m.measured);
+    if (!m.measured.empty() && !library->contains(measured_name(m.measured))) missing.insert(m.measured);
   const std::vector<std::string> sources(missing.begin(), missing.end());
   std::vector<std::shared_ptr<const MeasuredMaterial>> loaded(sources.size());
   parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) { loaded[i] = load_measured(sources[i]); });
-  for (std::size_t i = 0; i < sources.size(); ++i) (*library)[sources[i]] = std::move(loaded[i]);
+  for (std::size_t i = 0; i < sources.size(); ++i) (*library)[measured_name(sources[i])] = std::move(loaded[i]);
 }
 
 TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, std::size_t index,
@@ -52,7 +57,7 @@ TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, 
     m.textured |= m.textures[k] >= 0;
   }
   if (!values.measured.empty()) {
-    const std::shared_ptr<const MeasuredMaterial>& table = library.at(values.measured);
+    const std::shared_ptr<const MeasuredMaterial>& table = library.at(measured_name(values.measured));
     m.btf = table->btf;
     if (!m.btf) m.measured = table;
   }

@@ -26,7 +26,7 @@ namespace maquette {
 struct PathScene;
 /// Measured materials that were already loaded; keep one library while scenes are rebuilt. Not thread-safe.
 struct MeasuredMaterial;
-using MeasuredLibrary = std::map<std::string, std::shared_ptr<const MeasuredMaterial>>;
+using MeasuredLibrary = std::map<std::string, std::shared_ptr<const MeasuredMaterial>>;  // by measured_name
 
 struct PathSceneInput {
   const Scene& scene;  ///< materials after overrides (material_overrides.h); hidden nodes are not visible

@@ -8,6 +8,7 @@
 
 #include "render/bake/bake_attributes.h"
 #include "render/bake/kept_bakes.h"
+#include "render/btf/btf_source.h"
 #include "render/lights/light_numbers.h"
 #include "render/slf/incident_bake.h"
 #include "scenes/node_paths.h"
@@ -52,7 +53,9 @@ std::map<std::string, std::string> light_of(const IncidentJob& job) {
 }  // namespace
 
 std::uint64_t hash_of(const Material& material) {
-  return chain_hash(numbers_of(material), content_hash(std::as_bytes(std::span(material.measured))));
+  const bool file = !material.measured.empty() && !material.measured.starts_with("builtin:");
+  return chain_hash(numbers_of(material), content_hash(std::as_bytes(std::span(material.measured)),
+                                                       file ? material_source_key(material.measured) : 0));
 }
 
 IncidentContents contents_of(const IncidentJob& job) {
@@ -60,11 +63,17 @@ IncidentContents contents_of(const IncidentJob& job) {
   const std::vector<std::string> paths = node_paths(*job.scene);
   const FlatGeometry& g = *job.geometry;
   for (const DrawItem& item : g.items) {
+    if (item.node >= 0 && !job.scene->nodes[static_cast<std::size_t>(item.node)].visible) continue;
     std::vector<glm::vec3> corners;
-    for (std::uint32_t i = item.first_index; i < item.first_index + item.index_count; ++i)
-      corners.push_back(g.positions[g.indices[i]]);
+    std::vector<glm::vec4> colors, coordinates;
+    for (std::uint32_t i = item.first_index; i < item.first_index + item.index_count; ++i) {
+      const std::uint32_t v = g.indices[i];
+      corners.push_back(g.positions[v]);
+      colors.push_back(g.colors[v]);
+      coordinates.emplace_back(g.uv0[v], g.uv1[v]);
+    }
     std::uint64_t& hash = contents.surfaces[path_of_item(paths, item)];
-    hash = chain_hash(corners, hash);
+    hash = chain_hash(coordinates, chain_hash(colors, chain_hash(corners, hash)));
   }
   std::set<std::string> parts;
   for (const AtlasPart& part : job.parts) parts.insert(path_of_item(paths, g.items[part.item]));
@@ -134,7 +143,7 @@ std::string name_difference(const IncidentContents& baked, const IncidentContent
   const auto add = [&](const char* what, const std::vector<std::string>& names) {
     if (!names.empty()) differences.push_back(what + some_of(names));
   };
-  add("moved or dented: ", moved);
+  add("moved, dented or recoloured: ", moved);
   add("not there any more: ", gone);
   add("new: ", added);
   add("without texels in it: ", texels);

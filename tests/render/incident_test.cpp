@@ -225,7 +225,7 @@ TEST_F(IncidentBakeFolder, SaysWhatIsWrongWithAFolder) {
     moved->positions[0].x += 0.1f;
     job->geometry = moved;
   });
-  differs("moved or dented: /", [](IncidentJob* job) {
+  differs("moved, dented or recoloured: /", [](IncidentJob* job) {
     auto moved = std::make_shared<FlatGeometry>(*job->geometry);
     moved->positions[0].x += 0.1f;
     job->geometry = moved;

@@ -136,7 +136,8 @@ TEST_F(OpenReviews, ADragIsOneStepAndADraftMeanwhile) {
     OpenReview open(file_);
     Review now = open.review();
     for (int i = 1; i <= 30; ++i) {
-      now.look.exposure_ev = static_cast<float>(i);
+      now.look.auto_exposure = false;
+      now.look.exposure_ev = 0.25f * static_cast<float>(i);
       open.observe(now, true);
       const auto journal = read_journal(journal_file(file_));
       ASSERT_TRUE(journal);
@@ -212,7 +213,8 @@ TEST_F(OpenReviews, ManyUntitledOnesAreNotTheEndOfKeeping) {
     if (child == 0) {
       OpenReview open(Review{});
       Review now = open.review();
-      now.look.exposure_ev = static_cast<float>(i);
+      now.look.auto_exposure = false;
+      now.look.exposure_ev = 0.25f * static_cast<float>(i);
       open.observe(now, false);
       _exit(open.take_notes().empty() ? 0 : 1);
     }
@@ -224,7 +226,7 @@ TEST_F(OpenReviews, ManyUntitledOnesAreNotTheEndOfKeeping) {
   EXPECT_LE(left.size(), 21u);
   EXPECT_GE(left.size(), 20u);
   const auto kept = OpenReview::continued(left.front());
-  EXPECT_EQ(kept->review().look.exposure_ev, 129.0f) << "the latest is there";
+  EXPECT_EQ(kept->review().look.exposure_ev, 32.25f) << "the latest is there";
 }
 
 TEST_F(OpenReviews, UntitledOnesAreFoundAgain) {

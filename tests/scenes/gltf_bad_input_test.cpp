@@ -122,6 +122,11 @@ TEST_F(GltfBadInput, MissingBuffers) {
   };
   expect(nullptr, "bufferViews[0].buffer: 0 is out of range (the file has 0 buffers)");
   expect({{{"byteLength", bytes_.size()}, {"uri", "gone.bin"}}}, "gone.bin");
+  // Only files beside the scene are read: a device has no end, and nothing is fetched.
+  for (const char* uri : {"/dev/zero", "/dev/stdin", "../../../../../../../../dev/zero"})
+    expect({{{"byteLength", bytes_.size()}, {"uri", uri}}}, "is no regular file");
+  for (const char* uri : {"http://example.com/a.bin", "file:///etc/passwd", "ftp:a.bin"})
+    expect({{{"byteLength", bytes_.size()}, {"uri", uri}}}, "is not read: only files beside the scene are");
   expect({{{"byteLength", 1000000}, {"uri", "data:;base64,AAAA"}}},
          "buffers[0]: has 3 bytes, byteLength promises 1000000");
   expect({{{"byteLength", 3}, {"uri", "data:;base64,!!!!"}}}, "not valid base64");

@@ -59,6 +59,14 @@ ContentKey scene_key(const Scene& scene) {
   for (const Material& material : scene.materials) mix_material(material, &key);
   for (const TextureImage& image : scene.images)
     key.mix(static_cast<double>(image.width)).mix_all(image.rgba).mix_all(image.rgba16);
+  for (const Animation& animation : scene.animations) {
+    key.mix(animation.name).mix(animation.duration_s);
+    for (const AnimatedNode& node : animation.nodes) {
+      key.mix(static_cast<double>(node.node)).mix_bytes(std::as_bytes(std::span(node.rest)));
+      for (const AnimationTrack& track : node.tracks)
+        key.mix(static_cast<double>(track.interpolation)).mix_all(track.times_s).mix_all(track.values);
+    }
+  }
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     if (scene.nodes[i].light < 0) continue;

@@ -63,9 +63,13 @@ void check_png(TextureBytes bytes) {
   throw cut_short();
 }
 
-void set_size(int width, int height, TextureImage* image) {
-  if (std::int64_t{width} * height > kMostTextureTexels)
+void check_size(std::int64_t width, std::int64_t height) {
+  if (width * height > kMostTextureTexels)
     throw Error({}, "has " + std::to_string(width) + " x " + std::to_string(height) + " texels, which is too large");
+}
+
+void set_size(int width, int height, TextureImage* image) {
+  check_size(width, height);
   image->width = width;
   image->height = height;
   image->rgba.resize(std::size_t{4} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -75,6 +79,10 @@ void decode_png(TextureBytes bytes, TextureImage* image) {
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
+  // The library has no word for what is too large. Source: PNG, third edition, Sec. 11.2.1 (IHDR).
+  if (bytes.size() >= 24 && as_text(bytes).substr(12, 4) == "IHDR")
+    check_size(static_cast<std::int64_t>(big_endian(bytes, 16, 4)),
+               static_cast<std::int64_t>(big_endian(bytes, 20, 4)));
   if (stbi_info_from_memory(data, size, &width, &height, &channels) == 0) throw undecodable(stbi_failure_reason());
   set_size(width, height, image);
   const auto load = [&](auto* texels, auto* codes) {

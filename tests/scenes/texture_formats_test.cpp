@@ -226,6 +226,20 @@ TEST(TextureFormats, ADamagedPngIsRefused) {
   }
 }
 
+/// Refused by what it says of itself, before anything is decoded.
+TEST(TextureFormats, APngThatIsTooLargeIsRefusedByItsSize) {
+  for (const std::array<std::uint32_t, 2> size : {std::array{30000u, 30000u}, {2000000000u, 2u}, {65536u, 65536u}}) {
+    std::string header;
+    for (const std::uint32_t side : size)
+      for (const int shift : {24, 16, 8, 0}) header += static_cast<char>(side >> shift & 255u);
+    header += std::string("\x08\x02\0\0\0", 5);
+    const std::string png =
+        "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + png_chunk("IDAT", "x") + png_chunk("IEND", "");
+    const std::string message = message_of<Error>([&] { decode(png); });
+    EXPECT_NE(message.find(std::to_string(size[0]) + " x "), std::string::npos) << message;
+  }
+}
+
 TEST(TextureFormats, AJpegWithoutItsHuffmanTablesIsRefused) {
   std::string bytes = jpeg_bytes({{1, 2, 3}});
   for (std::size_t table = bytes.find("\xff\xc4"); table != std::string::npos; table = bytes.find("\xff\xc4"))

@@ -1,5 +1,8 @@
 // Looks and camera paths through the real program.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -234,6 +237,30 @@ TEST_F(Play, AVideoThatFailsKeepsItsFrames) {
   EXPECT_TRUE(contains(whole.out, std::to_string(5 - kept) + " of them drawn now")) << whole.out;
   EXPECT_EQ(read_text(folder_.file("a.mp4")).substr(0, first.size()), first);
   EXPECT_FALSE(fs::exists(folder_.file("a.mp4.frames")));
+}
+
+TEST_F(Play, OneVideoIsMadeByOneAtATime) {
+  const std::string counting = replaced_path("#!/bin/sh\nfor last; do :; done\ncat > \"$last\"\n");
+  const std::string lock = folder_.file(".a.mp4.lock");
+  const int file = open(lock.c_str(), O_RDWR | O_CREAT, 0644);
+  ASSERT_EQ(flock(file, LOCK_EX), 0);
+  const ProgramResult second = play("a.mp4", {}, {{"PATH", counting}});
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_TRUE(contains(second.error, "another maquette play is making it")) << second.error;
+  EXPECT_FALSE(fs::exists(folder_.file("a.mp4.frames")));
+  close(file);  // as where it was killed: what it left is in nobody's way
+  EXPECT_EQ(play("a.mp4", {}, {{"PATH", counting}}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(lock));
+}
+
+/// A link stays one, and what it names is the video.
+TEST_F(Play, AVideoIsWrittenThroughALink) {
+  const std::string counting = replaced_path("#!/bin/sh\nfor last; do :; done\ncat > \"$last\"\n");
+  fs::create_directories(folder_.file("videos"));
+  fs::create_symlink("videos/of today.mp4", folder_.file("a.mp4"));
+  EXPECT_EQ(play("a.mp4", {}, {{"PATH", counting}}).exit_code, 0);
+  EXPECT_TRUE(fs::is_symlink(folder_.file("a.mp4")));
+  EXPECT_GT(fs::file_size(folder_.file("videos/of today.mp4")), 0u);
 }
 
 TEST_F(Play, MakesAVideo) {

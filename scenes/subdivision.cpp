@@ -141,10 +141,12 @@ struct SubdivisionEvaluator::Impl {
   std::size_t vertex_count() const { return ring_begin.size() - 1; }
 
   void build_stencils(const Far::TopologyRefiner& refiner) {
-    Far::StencilTableFactory::Options options;
+    Far::StencilTableFactoryReal<float>::Options options;
     options.generateIntermediateLevels = false;
     options.generateOffsets = true;
-    const std::unique_ptr<const Far::StencilTable> table(Far::StencilTableFactory::Create(refiner, options));
+    // Not by StencilTableFactory, which casts to a type that the table is not of.
+    const std::unique_ptr<const Far::StencilTableReal<float>> table(
+        Far::StencilTableFactoryReal<float>::Create(refiner, options));
     assert(table->GetNumStencils() == refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
     stencil_begin.assign(1, 0);
     for (const int size : table->GetSizes())

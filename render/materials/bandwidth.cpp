@@ -77,7 +77,7 @@ void LocalSpectrum::add(std::span<const float> samples) {
     c[cells + 1] = level.whole ? c[cells - 2] : c[cells - 1];
     double* power = level.power.data();
 #pragma omp simd
-    for (std::size_t i = 0; i < cells; ++i) {
+    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(cells); ++i) {
       const float detail = kH3 * c[i - 1] - kH2 * c[i] + kH1 * c[i + 1] - kH0 * c[i + 2];
       power[i] += 0.5 * static_cast<double>(detail) * static_cast<double>(detail);
     }

@@ -20,7 +20,7 @@ using dvec3 = glm::dvec3;
 #define vec3 dvec3
 using glm::cross, glm::dot, glm::length;
 using std::abs, std::sqrt;
-inline glm::dvec3 abs(const glm::dvec3& v) { return glm::abs(v); }
+[[maybe_unused]] inline glm::dvec3 abs(const glm::dvec3& v) { return glm::abs(v); }
 inline double max(double a, double b) { return std::max(a, b); }
 inline double min(double a, double b) { return std::min(a, b); }
 inline double clamp(double v, double low, double high) { return std::clamp(v, low, high); }

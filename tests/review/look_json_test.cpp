@@ -129,7 +129,7 @@ TEST_F(ReviewFile, BadOnesAreRefused) {
   twice["look"]["name"] = "day";
   twice["looks"] = {twice["look"], twice["look"]};
   EXPECT_TRUE(contains(problem(twice), "looks: two of them are named \"day\"")) << problem(twice);
-  twice["looks"] = {json["look"]};
+  twice["looks"] = Json::array({json["look"]});  // braces around one are not an array for every compiler
   EXPECT_TRUE(contains(problem(twice), "a look has no name"));
   Json outside = json;
   outside["regions"] = {{{"x", 0.5}, {"y", 0.0}, {"width", 0.75}, {"height", 1.0}}};

@@ -15,7 +15,7 @@ class GltfCameras : public test::GltfFixture {
 
   /// The scene with `camera` on a node of its own.
   Scene with_camera(const std::string& camera) {
-    root_["cameras"] = {test::Json::parse(camera)};
+    root_["cameras"] = test::Json::array({test::Json::parse(camera)});
     root_["nodes"] = test::Json::parse(R"([{"mesh": 0}, {"camera": 0, "name": "eye"}])");
     root_["scenes"][0]["nodes"] = {0, 1};
     return checked();
@@ -25,7 +25,7 @@ class GltfCameras : public test::GltfFixture {
   }
   Scene with_light(const std::string& light) {
     root_["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
-    root_["extensions"]["KHR_lights_punctual"]["lights"] = {test::Json::parse(light)};
+    root_["extensions"]["KHR_lights_punctual"]["lights"] = test::Json::array({test::Json::parse(light)});
     return checked();
   }
   Scene checked() const {

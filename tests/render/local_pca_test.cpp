@@ -151,7 +151,9 @@ Eigen::MatrixXf clustered(int dimensions, int count, int clusters, int component
   Eigen::MatrixXf x(dimensions, count);
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i % clusters);
-    x.col(i) = means[k] + bases[k] * draw(components, 1) + noise * draw(dimensions, 1);
+    // One after the other: compilers differ in what they draw first.
+    const Eigen::MatrixXf noises = draw(dimensions, 1), shares = draw(components, 1);
+    x.col(i) = means[k] + bases[k] * shares + noise * noises;
   }
   return x;
 }

@@ -28,7 +28,7 @@ namespace {
 
 constexpr const char* kTemporary = ".partial-";
 
-/// Of this machine: others may share the folder.
+/// A number of this machine: others may share the folder.
 unsigned host_number() {
   static const unsigned number = [] {
     char name[256] = {};
@@ -229,21 +229,12 @@ void write_atomically(const std::string& named, const std::function<void(const s
 
 std::uint64_t file_stamp(const std::string& path) {
   std::error_code code;
-  const auto stamp_of = [](const fs::path& file) {
-    std::error_code ignored;
-    const std::uint64_t parts[] = {
-        fs::file_size(file, ignored),
-        static_cast<std::uint64_t>(fs::last_write_time(file, ignored).time_since_epoch().count())};
-    return content_hash(std::as_bytes(std::span(parts)));
-  };
   if (!fs::exists(path, code)) return 0;
-  if (!fs::is_directory(path, code)) return stamp_of(path);
-  std::uint64_t sum = 1;  // in whatever order they are listed
-  for (fs::directory_iterator entry(path, code), end; !code && entry != end; entry.increment(code)) {
-    const std::string name = entry->path().filename().string();
-    sum += content_hash(std::as_bytes(std::span(name)), stamp_of(entry->path()));
-  }
-  return sum;
+  const bool folder = fs::is_directory(path, code);
+  const std::uint64_t parts[] = {
+      folder ? 0 : fs::file_size(path, code),
+      static_cast<std::uint64_t>(fs::last_write_time(path, code).time_since_epoch().count())};
+  return content_hash(std::as_bytes(std::span(parts)));
 }
 
 std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t seed) {

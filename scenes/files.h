@@ -35,8 +35,8 @@ std::string temporary_path(const std::string& path);
 /// `write` throws. Paths with is_written_through get the bytes instead.
 void write_atomically(const std::string& path, const std::function<void(const std::string&)>& write);
 
-/// Changes with a file that is written anew, without reading it: of its size and time; of a folder all of its files'; 0:
-/// there is nothing.
+/// Changes with a file that is written anew, without reading it: by its size and time. Of a folder when a file was last
+/// added, removed or renamed in it: BTFs have tens of thousands. 0: there is nothing.
 std::uint64_t file_stamp(const std::string& path);
 
 /// 64-bit content hash (xxHash3), chained by `seed`.

@@ -7,7 +7,7 @@ namespace maquette {
 
 namespace {
 
-/// Of the character that begins at a byte; 0 bytes: it is no UTF-8. Source: RFC 3629, Sec. 4.
+/// Code and length of the character that begins at a byte; length 0: it is no UTF-8. Source: RFC 3629, Sec. 4.
 struct Character {
   std::uint32_t code = 0;
   std::size_t bytes = 0;

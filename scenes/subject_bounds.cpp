@@ -20,7 +20,7 @@ void include_point(Bounds* bounds, const glm::vec3& p) {
   bounds->max = glm::max(bounds->max, p);
 }
 
-/// Of each coordinate.
+/// The median of each coordinate.
 glm::vec3 median(const std::vector<glm::vec3>& points) {
   glm::vec3 middle(0.0f);
   std::vector<float> values(points.size());
@@ -92,8 +92,8 @@ std::vector<Piece> pieces_of(const Scene& scene) {
   return pieces;
 }
 
-/// Of the pieces' middles, each as often as its vertices count among the others: by the square root, so that a stray
-/// triangle beside one body does not, and neither does a finely divided dome.
+/// The median of the pieces' middles, each counted as often as the root of its number of vertices: neither a stray
+/// triangle beside one body decides it, nor a finely divided dome.
 glm::vec3 middle_of(const std::vector<Piece>& pieces) {
   std::vector<glm::vec3> middles;
   for (const Piece& piece : pieces) {

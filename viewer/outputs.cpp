@@ -11,6 +11,7 @@
 
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/harmless.h"
 #include "scenes/image_io.h"
 #include "viewer/print.h"
 
@@ -94,7 +95,7 @@ Image load_picture(const std::string& path) {
 
 void write_text(const std::string& path, const std::string& text) {
   if (path == "-") {
-    std::fputs(text.c_str(), stdout);
+    std::fputs(harmless_json(text).c_str(), stdout);
     return;
   }
   write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));

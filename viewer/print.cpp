@@ -39,7 +39,7 @@ void print_warnings(const std::string& where, const std::vector<std::string>& wa
   const std::size_t shown = warnings.size() > kMostWarnings ? 1 : warnings.size();
   for (std::size_t i = 0; i < shown; ++i) print_line(stderr, "warning: %s%s", before.c_str(), warnings[i].c_str());
   if (shown < warnings.size())
-    print_line(stderr, "warning: %s%zu more warnings of this kind and others; maquette inspect lists them",
+    print_line(stderr, "warning: %s%zu more warnings; maquette inspect lists them",
                before.c_str(), warnings.size() - shown);
 }
 

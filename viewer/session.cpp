@@ -44,7 +44,7 @@ struct NamedCamera {
   std::string name;
 };
 
-/// Of the camera, or else of its node; a name that another one has already gets a number.
+/// Cameras of a scene by their own names, or else their nodes'; a name that an earlier one has gets a number.
 std::vector<NamedCamera> named_cameras(const Scene& scene) {
   std::vector<NamedCamera> cameras;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {

@@ -7,6 +7,7 @@
 
 #include "render/btf/btf_source.h"
 #include "scenes/angles.h"
+#include "scenes/files.h"
 #include "scenes/ground.h"
 #include "scenes/node_paths.h"
 #include "scenes/scene_files.h"
@@ -49,17 +50,17 @@ void WindowSession::apply_pose() {
 }
 
 /// Twice the same new time: who writes it has finished.
-bool WindowSession::has_changed(const std::string& source) {
-  std::error_code code;
-  const auto now = std::filesystem::last_write_time(source, code);
-  if (code) return false;
-  const auto [known, is_new] = watched_.try_emplace(source, Watched{now, now});
+bool WindowSession::has_changed(const std::string& source, std::uint64_t stamp) {
+  if (stamp == 0) return false;
+  const auto [known, is_new] = watched_.try_emplace(source, Watched{stamp, stamp});
   Watched& watched = known->second;
-  const bool rests = std::exchange(watched.seen, now) == now;
-  if (is_new || !rests || now == watched.used) return false;
-  watched.used = now;
+  const bool rests = std::exchange(watched.seen, stamp) == stamp;
+  if (is_new || !rests || stamp == watched.used) return false;
+  watched.used = stamp;
   return true;
 }
+
+bool WindowSession::has_changed(const std::string& file) { return has_changed(file, file_stamp(file)); }
 
 /// The file, or one that it names.
 bool WindowSession::scene_has_changed(const std::string& scene) {
@@ -89,15 +90,7 @@ void WindowSession::watch_files(double now_s) {
     known_bakes_.forget();
   }
   for (const auto& [name, source] : std::map(applied_.materials)) {
-    const std::uint64_t stamp = material_source_stamp(source);
-    const auto [known, is_new] = material_stamps_.try_emplace(source, stamp);
-    // It may be in work: it is read once it stays as it is.
-    if (is_new || stamp == 0 || stamp == known->second.used) {
-      known->second.seen = stamp;
-      continue;
-    }
-    if (std::exchange(known->second.seen, stamp) != stamp) continue;
-    known->second.used = stamp;
+    if (!has_changed(source, material_source_stamp(source))) continue;
     add_message(MessageLevel::note, source + " has changed: it is read again");
     applied_.materials.erase(name);
     known_bakes_.forget();

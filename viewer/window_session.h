@@ -119,7 +119,9 @@ class WindowSession {
   void start_environment();
   /// Reads scene and environment again when their files have changed and rest; looks and edits stay.
   void watch_files(double now_s);
-  bool has_changed(const std::string& source);
+  /// `stamp`: of the source now. Once it stays as it is: it may be in work.
+  bool has_changed(const std::string& source, std::uint64_t stamp);
+  bool has_changed(const std::string& file);
   bool scene_has_changed(const std::string& scene);
   /// The look of a window without a review.
   void begin_look(const SceneOptions& options);
@@ -174,16 +176,11 @@ class WindowSession {
   std::string scene_source_, environment_source_;
   bool reading_again_ = false;  ///< the scene that is open
   struct Watched {
-    std::filesystem::file_time_type used, seen;  ///< when it was read, and when it was looked at
+    std::uint64_t used, seen;  ///< stamps: when it was read, and when it was looked at
   };
   std::map<std::string, Watched> watched_;
-  struct WatchedSource {
-    WatchedSource(std::uint64_t stamp) : used(stamp), seen(stamp) {}  // NOLINT(google-explicit-constructor)
-    std::uint64_t used, seen;
-  };
-  std::map<std::string, WatchedSource> material_stamps_;  ///< by the materials' sources
-  std::vector<std::string> scene_files_;                  ///< that the scene's file names
-  std::string files_of_;                                  ///< the scene's file
+  std::vector<std::string> scene_files_;  ///< that the scene's file names
+  std::string files_of_;                  ///< the scene's file
   double watched_s_ = -1e9;
   /// Makes BTFs: gives the source of each that is ready. Null until one is asked for.
   std::unique_ptr<BackgroundWorker<std::string, std::string>> btf_worker_;

@@ -36,7 +36,7 @@ struct FrameStatus {
   std::vector<std::string> misfitted;  ///< those that do not
 
   // What has changed since the frame before.
-  bool single = false;          ///< of the request
+  bool single = false;          ///< no other frame follows, says the request
   int accumulated = 0;          ///< frames in the picture so far: nothing has moved since the first of them
   bool light_rotated = false;   ///< only the environment's rotation: temporal reuse
   bool has_sun = false;         ///< the environment has one that can be drawn apart

@@ -39,7 +39,7 @@ class MaterialStore {
   struct Entry {
     std::string source;
     std::uint64_t stamp = 0;  ///< of the source when it was read
-    float lobe_sr = 1.0f;  ///< effective solid angle of the lobe at 35 degrees
+    float lobe_sr = 1.0f;     ///< effective solid angle of the lobe at 35 degrees
     float bandwidth_limit = 0.0f;
     float roughness = 1.0f;  ///< roughness of the mirroring part
     GgxFit ggx;

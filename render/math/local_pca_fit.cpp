@@ -59,7 +59,7 @@ Eigen::MatrixXf leading(const Eigen::MatrixXd& matrix, Index count) {
   return solver.eigenvectors().rightCols(kept).rowwise().reverse().cast<float>();
 }
 
-/// Of B^T G B.
+/// Trace of B^T G B.
 double trace_within(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& basis) {
   return times(transposed_times(basis, gram), basis).trace();
 }

@@ -137,7 +137,7 @@ TEST(ErrorMeter, TracesAViewAndStopsAtOnce) {
   meter.cancel();
   view.scene_revision = 1;
   meter.watch(view, []() -> std::shared_ptr<const PathScene> { throw std::runtime_error("no scene"); });
-  EXPECT_TRUE(test::comes_true([&] { return !meter.problem().empty(); }));
+  EXPECT_FALSE(wait());
   EXPECT_EQ(meter.problem(), "no scene");
 }
 

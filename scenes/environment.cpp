@@ -191,9 +191,7 @@ void finish(Environment& environment) {
   if (environment.width != 2 * environment.height && environment.width * environment.height > 1)
     environment.warnings.push_back("is not twice as wide as high (" + std::to_string(environment.width) + " x " +
                                    std::to_string(environment.height) + "); it is read as latitude-longitude");
-  const std::uint64_t size =
-      (static_cast<std::uint64_t>(environment.width) << 32) | static_cast<std::uint64_t>(environment.height);
-  environment.hash = content_hash(std::as_bytes(std::span(environment.rgb)), size);
+  environment.hash = content_key(environment);
 }
 
 /// Of `builtin:clear-sky:DEG`.
@@ -219,6 +217,13 @@ Environment make_builtin(const std::string& source, const std::string& name) {
 }  // namespace
 
 std::vector<std::string> builtin_environment_names() { return {"clear-sky", "studio"}; }
+
+std::uint64_t content_key(const Environment& environment) {
+  if (environment.hash != 0) return environment.hash;
+  const std::uint64_t size =
+      (static_cast<std::uint64_t>(environment.width) << 32) | static_cast<std::uint64_t>(environment.height);
+  return content_hash(std::as_bytes(std::span(environment.rgb)), size);
+}
 
 Environment load_environment(const std::string& source) {
   constexpr std::string_view kPrefix = "builtin:";

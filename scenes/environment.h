@@ -14,7 +14,7 @@ struct Environment {
   int width = 0;
   int height = 0;
   std::vector<glm::vec3> rgb;
-  std::uint64_t hash = 0;
+  std::uint64_t hash = 0;  ///< of its texels; 0 where it was made in memory (content_key() is right for both)
   std::vector<std::string> warnings;  ///< repaired texels (NaN, inf, negative), downsampling of a huge map, ...
 };
 
@@ -23,6 +23,9 @@ struct Environment {
 /// warnings.
 Environment load_environment(const std::string& source);
 std::vector<std::string> builtin_environment_names();
+
+/// Of size and texels: the key of what is derived from it.
+std::uint64_t content_key(const Environment& environment);
 
 /// Unit direction of a point of the map; x in [0, width], y in [0, height], texel centres at half-integers.
 glm::dvec3 direction_from_latlong(double x, double y, int width, int height);

@@ -62,7 +62,7 @@ std::optional<BudgetPoint> samples_for_budget(const BudgetCurve& curve, double b
 
 std::uint64_t curves_key(const Scene& scene, const Environment& environment) {
   const std::string text = report::scene_key(scene).text();
-  return content_hash(std::as_bytes(std::span(text)), environment.hash);
+  return content_hash(std::as_bytes(std::span(text)), content_key(environment));
 }
 
 void store_curves(std::uint64_t key, const BudgetCurves& curves) {

@@ -15,8 +15,8 @@ constexpr const char* kCacheKind = "environment-bandwidth";
 constexpr int kCacheVersion = 5;
 
 /// Cached bytes: two int32 (width, height), then both bandwidths.
-bool read_cached_bandwidth(const Environment& environment, EnvironmentTables& tables) {
-  const auto bytes = cache_load(kCacheKind, kCacheVersion, environment.hash);
+bool read_cached_bandwidth(std::uint64_t key, EnvironmentTables& tables) {
+  const auto bytes = cache_load(kCacheKind, kCacheVersion, key);
   std::int32_t size[2] = {0, 0};
   if (!bytes || bytes->size() < sizeof size) return false;
   std::memcpy(size, bytes->data(), sizeof size);
@@ -35,7 +35,7 @@ bool read_cached_bandwidth(const Environment& environment, EnvironmentTables& ta
   return true;
 }
 
-void store_bandwidth(const Environment& environment, const EnvironmentTables& tables) {
+void store_bandwidth(std::uint64_t key, const EnvironmentTables& tables) {
   const std::int32_t size[2] = {tables.bandwidth_width, tables.bandwidth_height};
   const auto header = std::as_bytes(std::span(size));
   std::vector<std::byte> bytes(header.begin(), header.end());
@@ -43,7 +43,7 @@ void store_bandwidth(const Environment& environment, const EnvironmentTables& ta
     const auto added = std::as_bytes(std::span(*values));
     bytes.insert(bytes.end(), added.begin(), added.end());
   }
-  cache_store(kCacheKind, kCacheVersion, environment.hash, bytes);
+  cache_store(kCacheKind, kCacheVersion, key, bytes);
 }
 
 }  // namespace
@@ -59,10 +59,10 @@ EnvironmentTables load_environment_tables(const Environment& environment) {
   EnvironmentTables tables;
   // Computing the importance of a large map is as fast as reading it.
   compute_importance(environment, tables);
-  const bool cacheable = environment.hash != 0;  // 0: created in memory, not loaded from a file
-  if (cacheable && read_cached_bandwidth(environment, tables)) return tables;
+  const std::uint64_t key = content_key(environment);
+  if (read_cached_bandwidth(key, tables)) return tables;
   compute_bandwidth(environment, tables);
-  if (cacheable) store_bandwidth(environment, tables);
+  store_bandwidth(key, tables);
   return tables;
 }
 

@@ -147,8 +147,7 @@ std::vector<Image> unpack(const std::vector<std::byte>& bytes, std::size_t count
 
 std::vector<Image> through_cache(const char* kind, const Environment& environment, std::span<const float> parameters,
                                  const std::function<std::vector<Image>()>& compute) {
-  if (environment.hash == 0) return compute();
-  const std::uint64_t key = content_hash(std::as_bytes(parameters), environment.hash);
+  const std::uint64_t key = content_hash(std::as_bytes(parameters), content_key(environment));
   if (const auto bytes = cache_load(kind, kPrefilterVersion, key)) {
     std::vector<Image> maps = unpack(*bytes, parameters.size());
     if (!maps.empty()) return maps;

@@ -9,8 +9,7 @@ namespace maquette {
 
 /// Environments convolved with lobes that are symmetric about the lookup direction, for the prefiltered modes. Every
 /// map is latitude-longitude like Environment (3 channels, twice as wide as high), no larger than its lobe needs, and
-/// normalised so that a constant sky stays unchanged. Deterministic, without noise, parallel, cached by content (not
-/// when Environment::hash is 0).
+/// normalised so that a constant sky stays unchanged. Deterministic, without noise, parallel, cached by content.
 
 /// GGX at roughness r = i / (level_count - 1), alpha = r^2, one map a level. Level 0 is the environment itself, at most
 /// 1024 x 512; the others 256 x 128 down to 32 x 16. level_count >= 2.

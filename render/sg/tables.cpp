@@ -31,12 +31,23 @@ std::vector<Image> make_sg_maps(const Environment& environment) {
   return maps;
 }
 
+/// For every environment the same.
+const Image& sg_reflectance() {
+  static const Image table = reflectance_table(kSgTableSize);
+  return table;
+}
+
+const Image& sg_albedos() {
+  static const Image table = sg_albedo_table(kSgTableSize);
+  return table;
+}
+
 class SgTables : public LookupTables {
  public:
   explicit SgTables(const Environment& environment)
       : maps_("SG maps", make_sg_maps(environment)),
-        reflectance_(upload_table("reflectance", reflectance_table(kSgTableSize))),
-        albedo_(upload_table("SG albedo", sg_albedo_table(kSgTableSize))) {}
+        reflectance_(upload_table("reflectance", sg_reflectance())),
+        albedo_(upload_table("SG albedo", sg_albedos())) {}
 
   void update(MaterialStore& materials) override {
     fits_.update(materials.count(), [&](int slot, std::vector<glm::vec4>* texels) {

@@ -21,11 +21,17 @@ std::vector<Image> make_maps(const Environment& environment) {
   return maps;
 }
 
+/// For every environment the same.
+const Image& splitsum_reflectance() {
+  static const Image table = reflectance_table(kTableSize);
+  return table;
+}
+
 class SplitsumTables : public LookupTables {
  public:
   explicit SplitsumTables(const Environment& environment)
       : maps_("GGX maps", make_maps(environment)),
-        reflectance_(reflectance_table(kTableSize)),
+        reflectance_(splitsum_reflectance()),
         table_(upload_table("reflectance", reflectance_)) {}
 
   void update(MaterialStore& materials) override {

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#define MAQUETTE_FN inline
+// Each file keeps the copies that it compiled: of an inline function the linker would take any one, that of a file with
+// fewer optimisations too.
+#define MAQUETTE_FN static inline
 
 namespace maquette::shared {
 using namespace glm;

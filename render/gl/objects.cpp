@@ -8,6 +8,7 @@
 #include <regex>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include "render/gl/shader_source.h"
 #include "scenes/error.h"
@@ -149,6 +150,15 @@ std::string read_shader(const std::string& path) {
   throw Error(path, "no such shader in this build");
 }
 
+/// The path of a line `#include "PATH"`; empty: the line is no such line.
+std::string_view included_path(std::string_view line) {
+  constexpr std::string_view kInclude = "#include";
+  line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+  if (!line.starts_with(kInclude)) return {};
+  const std::size_t begin = line.find('"'), end = line.find('"', begin + 1);
+  return end == std::string_view::npos ? std::string_view() : line.substr(begin + 1, end - begin - 1);
+}
+
 /// Appends `path` with includes expanded once each; `#line` keeps the driver's messages readable through `files`.
 void expand(const std::string& path, std::set<std::string>* seen, std::vector<std::string>* files, std::string* out) {
   if (!seen->insert(path).second) return;
@@ -157,10 +167,8 @@ void expand(const std::string& path, std::set<std::string>* seen, std::vector<st
   std::istringstream lines(read_shader(path));
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
-    static const std::regex kInclude("^\\s*#include\\s+\"([^\"]+)\"");
-    std::smatch match;
-    if (std::regex_search(line, match, kInclude)) {
-      expand(match[1], seen, files, out);
+    if (const std::string_view included = included_path(line); !included.empty()) {
+      expand(std::string(included), seen, files, out);
       *out += "#line " + std::to_string(number + 1) + " " + std::to_string(file_index) + "\n";
     } else if (line.rfind("#pragma once", 0) != 0) {
       *out += line + "\n";

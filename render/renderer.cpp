@@ -416,13 +416,14 @@ bool Renderer::finish_background_work(const FrameRequest& asked) {
     view = s.look_at(request);
   }
   // What is there decides what more is wanted.
+  bool all = true;
   for (std::optional<double> known = -1.0; known != view.hidden_share; view = s.look_at(request)) {
     known = view.hidden_share;
     const FramePlan wanted = maquette::plan(s.scene.facts(), request.mode, request.settings, view, {}, s.registry);
-    if (!s.bakes.finish(wanted, s.scene, request)) return false;
+    all = s.bakes.finish(wanted, s.scene, request);
     view.hidden_share = s.bakes.shadow_scene().hidden_share();
   }
-  return true;
+  return all;
 }
 
 std::optional<BakeKeys> Renderer::bake_keys(const FrameRequest& asked) {

@@ -60,7 +60,8 @@ class Renderer {
   /// The next frame is drawn as if it were the first: nothing of earlier ones is reused, averaged or compared with.
   /// Scene and bakes stay.
   void forget_frames();
-  /// Waits until the bakes that the plan of `request` wants are done (batch rendering). True when all is ready.
+  /// Waits until the bakes that the plan of `request` wants are done (batch rendering). False when one cannot be made
+  /// (its `run` is hold): the others are there, and FrameStatus says which one is not.
   bool finish_background_work(const FrameRequest& request);
   std::vector<BackgroundWork> background_work() const;
   /// Keys of the bakes that `request` wants, for the scene as it is now; nothing is made for them. Nothing while it is

@@ -24,6 +24,16 @@ std::string named_folder(const Settings& settings, const std::string& bake) {
 
 }  // namespace
 
+void warn_of_own_bakes(const FrameStatus& status, std::set<std::string>* told) {
+  const auto warn = [&](const std::string& line) {
+    if (!told || told->insert(line).second) print_line(stderr, "warning: %s", line.c_str());
+  };
+  for (const auto& [name, bake] : status.own_bakes) {
+    if (!bake.ready) warn(name + ": nothing is baked; a preview is drawn (" + name + ".run is hold)");
+    for (const std::string& note : bake.notes) warn(name + ": " + note);
+  }
+}
+
 std::string owners_text(const ReviewBake& bake) {
   constexpr std::size_t kNamed = 4;
   std::vector<std::string> names;

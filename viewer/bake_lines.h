@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "render/frame/status.h"
 #include "review/review.h"
 
 namespace maquette {
@@ -39,6 +41,10 @@ std::vector<std::string> bake_lines(const ReviewedBakes& of);
 /// as none of them.
 void warn_of_bakes(const SceneOptions& options, const std::vector<std::string>& looks, const std::string& shown_name,
                    const Look& shown, const BakeKeyNow& key_now);
+
+/// Warns of what a frame that was drawn lacks of its modes' own bakes, and of what these say of themselves: a line
+/// each, but for those that `told` has.
+void warn_of_own_bakes(const FrameStatus& status, std::set<std::string>* told = nullptr);
 
 /// Keys of bakes by what decides them of a look, whatever its name.
 class KnownBakes {

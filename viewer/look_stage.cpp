@@ -7,6 +7,7 @@
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/node_paths.h"
+#include "viewer/bake_lines.h"
 #include "viewer/btf_preparation.h"
 #include "viewer/dents.h"
 #include "viewer/print.h"
@@ -120,6 +121,7 @@ FrameStats LookStage::render(const Look& look, const SettledFrame& settled) {
     if (progress_ && i > 0) progress_(static_cast<double>(i) / settled.frames);
     stats = renderer_->render(request_, true);
   }
+  warn_of_own_bakes(stats.status, &told_);
   return stats;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "render/renderer.h"
@@ -29,7 +30,8 @@ class LookStage {
 
   /// Told the share of the frames that are drawn, while more than one is averaged.
   void set_progress(std::function<void(double share)> progress) { progress_ = std::move(progress); }
-  /// Draws; the renderer then has the picture. Throws Error: a file that cannot be used, a mode that cannot draw it.
+  /// Draws; the renderer then has the picture. Warns of bakes that are not there, on standard error. Throws Error: a
+  /// file that cannot be used, a mode that cannot draw it.
   FrameStats render(const Look& look, const SettledFrame& settled);
   /// Of a bake that the look draws with, as the scene is now (Renderer::bake_key); it is not made. Throws Error.
   std::string bake_key(const Look& look, const std::string& bake);
@@ -58,6 +60,7 @@ class LookStage {
   std::vector<NodeTurn> turns_;
   FrameRequest request_;
   std::function<void(double share)> progress_;
+  std::set<std::string> told_;  ///< warnings of bakes, once each
 };
 
 }  // namespace maquette

@@ -12,6 +12,7 @@
 #include "scenes/image_io.h"
 #include "scenes/luminance.h"
 #include "scenes/percent.h"
+#include "viewer/bake_lines.h"
 #include "viewer/btf_preparation.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
@@ -314,12 +315,7 @@ int run_render(const CommandLine& line) {
   else
     render_frames(&renderer, request, options, &report);
   warn_of_light_left_out(report.frames.back().plan);
-  for (const auto& [name, bake] : report.frames.back().status.own_bakes) {
-    if (!bake.ready)
-      print_line(stderr, "warning: %s: nothing is baked; a preview is drawn (%s.run is hold)\n", name.c_str(),
-                 name.c_str());
-    for (const std::string& note : bake.notes) print_line(stderr, "warning: %s: %s\n", name.c_str(), note.c_str());
-  }
+  warn_of_own_bakes(report.frames.back().status);
   const Image radiance = renderer.read_radiance();
   if (reference) report.error = measure_error(radiance, *reference).figures;
   if (!options.output.empty()) {

@@ -176,19 +176,20 @@ void SceneBakes::report(const FramePlan& wanted, const SceneState& scene, FrameS
 }
 
 bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const FrameRequest& request) {
+  bool all = true;  // what cannot be made takes nothing from what can
   for (const ShadingPlan& layer : wanted.layers) {
     update_own(layer, scene, request);
     const auto own = own_.find(layer.own_bake);
     if (own == own_.end()) continue;
     own->second->bake().wait();
     update_own(layer, scene, request);
-    if (!own->second->bake().ready()) return false;
+    all = all && own->second->bake().ready();
   }
   if (wanted.prepares("build_shadow_rays") && !scene.geometry().positions.empty()) {
     update_shadow_rays(scene, request);
     shadow_scene_.wait();
     update_shadow_rays(scene, request);
-    if (!shadow_scene_.ready()) return false;
+    all = all && shadow_scene_.ready();
   }
   if (wanted.octree) {
     for (int round = 0; round < 3; ++round) {  // starts it, takes it over and starts the cells' BRDFs, takes them over
@@ -199,16 +200,16 @@ bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const 
     update_cells(scene, request, wanted.cell_brdfs);
   }
   // What follows needs baked visibility.
-  if (!wanted.prepares("bake_visibility") || scene.geometry().positions.empty()) return true;
+  if (!wanted.prepares("bake_visibility") || scene.geometry().positions.empty()) return all;
   update_visibility(scene);
   visibility_.wait();
   update_visibility(scene);
-  if (!wanted.prepares("bake_indirect") || !visibility_.ready()) return visibility_.ready();
+  if (!wanted.prepares("bake_indirect") || !visibility_.ready()) return all && visibility_.ready();
   for (int round = 0; round < 2; ++round) {  // starts the bake, then takes it over
     update_indirect(scene, request);
     indirect_.wait();
   }
-  return indirect_.current();
+  return all && indirect_.current();
 }
 
 void SceneBakes::bind() const {

@@ -248,6 +248,29 @@ Scene nested_nodes() {
   return scene;
 }
 
+/// What one part's mode cannot have takes nothing from the others.
+TEST(Parts, AHeldBakeOfOneTakesNoShadowsFromTheOthers) {
+  auto scene = std::make_shared<Scene>();
+  scene->materials = {test::matte(glm::vec3(0.5f))};
+  test::add(scene.get(), test::make_grid({-3, -1, 3}, {6, 0, 0}, {0, 0, -6}, 4, 0), "floor");
+  test::add(scene.get(), test::make_grid({-1, 0, 1}, {1, 0, 0}, {0, 0, -1}, 2, 0), "left");
+  for (const std::string own : {"slf", "prt"}) {
+    const GlContext context = GlContext::create_headless();
+    Renderer renderer;
+    renderer.set_scene(scene);
+    renderer.set_environment(test::constant_sky(0.5f));
+    FrameRequest request = request_for("uniform", 1);
+    request.settings = Settings();
+    request.part_modes = {{"left", own}};
+    request.settings.set(own + ".run", std::string("hold"));
+    EXPECT_FALSE(renderer.finish_background_work(request)) << "the bake of " << own << " is not there";
+    const FrameStatus status = renderer.render(request).status;
+    EXPECT_FALSE(status.own_bakes.at(own).ready);
+    EXPECT_TRUE(status.visibility.wanted && status.visibility.ready) << own;
+    EXPECT_TRUE(status.indirect.wanted && status.indirect.ready) << own;
+  }
+}
+
 TEST(Parts, TheNearestAncestorCounts) {
   const Scene scene = nested_nodes();
   const std::vector<std::string> modes{"a", "b", "c"};

@@ -22,7 +22,7 @@ class FrameLayers : public LayerSource {
     if (environment != environment_) renderer_.set_environment(environment);
     environment_ = environment;
     FrameRequest request = make_request(*scene, options);
-    renderer_.finish_background_work(request);
+    prepare(request);
     LayerPictures out;
     out.transmitted = frame(request, "transmitted", options.frames);
     out.reflected = frame(request, "reflected", options.frames);
@@ -37,6 +37,14 @@ class FrameLayers : public LayerSource {
     request.settings.set("reflections.layer", layer);
     for (int i = 0; i < (frames > 0 ? frames : kFramesOfLayer); ++i) renderer_.render(request, true);
     return renderer_.read_radiance();
+  }
+  /// Figures of a preview would be those of another mode. Throws Error.
+  void prepare(const FrameRequest& request) {
+    if (renderer_.finish_background_work(request)) return;
+    for (const auto& [name, bake] : renderer_.render(request).status.own_bakes)
+      if (!bake.ready)
+        throw Error("mode " + request.mode, "nothing is baked, since " + name + ".run is hold",
+                    "--set " + name + ".run=auto bakes it");
   }
 
   const GlContext context_ = GlContext::create_headless();

@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/luminance.h"
 #include "viewer/interrupt.h"
@@ -151,7 +152,9 @@ std::optional<Judge> obtain_reflection_reference(Studio* studio, const std::stri
                                                  const SweptTechnique& raytraced) {
   const FrameRequest request =
       request_of(studio->request(camera), raytraced, raytraced.steps.back(), Scope::reflection);
-  studio->renderer().finish_background_work(request);
+  const bool whole = studio->renderer().finish_background_work(request);
+  if (InterruptGuard::asked()) return std::nullopt;
+  if (!whole) throw Error("mode " + request.mode, "its bake is not there", "set its run to auto, or bake it");
   const FrameStats stats = studio->renderer().render(request);
   if (stats.plan.reflections.empty()) return std::nullopt;
   ContentKey key = studio->key();

@@ -27,9 +27,6 @@ void take_few_samples(FrameRequest* request) {
   request->samples = std::min(kFirstSamples, request->settings.get_int(mode.samples_setting));
 }
 
-std::set<std::string> reflectors_of(const FrameRequest& request) {
-  return {request.reflectors.begin(), request.reflectors.end()};
-}
 }  // namespace
 
 float WindowPicture::next_moving_scale(const WindowSession& session, const PictureUpdate& input,
@@ -121,10 +118,7 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
     drawn_ = request;
     // A request is not known to be valid while patches are being fitted: they may still be refused.
     const auto waits = [](const LeftOut& left_out) { return left_out.what == "patch_fit"; };
-    if (std::ranges::none_of(stats_->plan.left_out, waits)) {
-      last_valid_request_ = request;
-      last_valid_request_->msaa = session->state.msaa;
-    }
+    if (std::ranges::none_of(stats_->plan.left_out, waits)) last_valid_ = choices_of(session->state);
     note_times();
   } catch (const Error& error) {
     if (still_edges_.smooth()) {
@@ -135,23 +129,24 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
     }
     failed_ = true;
     session->add_message(MessageLevel::error, error.what());
-    if (last_valid_request_) restore_valid_state(session);
+    if (last_valid_) restore_valid_state(session);
   }
 }
 
-/// After a mode, a setting or a set of reflectors that cannot draw this scene: restores the last valid ones.
+WindowPicture::Choices WindowPicture::choices_of(const EditorState& state) {
+  return {state.mode, state.reflections, state.settings, state.msaa, state.edits.reflectors, state.edits.part_modes};
+}
+
+/// After a mode, a setting or a set of reflectors that cannot draw this scene: restores the last valid ones, as they
+/// were chosen; the request names more (parts that a setting leaves to another mode, the ground).
 void WindowPicture::restore_valid_state(WindowSession* session) {
   EditorState& state = session->state;
-  state.mode = last_valid_request_->mode;
-  state.reflections = last_valid_request_->reflections;
-  state.settings = last_valid_request_->settings;
-  state.msaa = last_valid_request_->msaa;
-  state.edits.reflectors = reflectors_of(*last_valid_request_);
-  if (!builtin_registry().find_mode(state.mode).can.traces_picture) {  // which only puts parts aside
-    state.edits.part_modes.clear();
-    for (const PartMode& part : last_valid_request_->part_modes)
-      if (part.node != kGroundName) state.edits.part_modes[part.node] = part.mode;
-  }
+  state.mode = last_valid_->mode;
+  state.reflections = last_valid_->reflections;
+  state.settings = last_valid_->settings;
+  state.msaa = last_valid_->msaa;
+  state.edits.reflectors = last_valid_->reflectors;
+  state.edits.part_modes = last_valid_->part_modes;
   session->amend();
 }
 

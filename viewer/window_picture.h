@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,15 @@ class WindowPicture {
   bool resting(double now_s) const { return converged() && now_s - last_change_s_ > 1.0; }
 
  private:
+  /// What of the state may be refused.
+  struct Choices {
+    std::string mode, reflections;
+    Settings settings;
+    int msaa = 1;
+    std::set<std::string> reflectors;
+    std::map<std::string, std::string> part_modes;
+  };
+  static Choices choices_of(const EditorState& state);
   float next_moving_scale(const WindowSession& session, const PictureUpdate& input, MovingScale::Kind kind);
   void draw(WindowSession* session, const FrameRequest& request, bool accumulate);
   void restore_valid_state(WindowSession* session);
@@ -70,7 +80,7 @@ class WindowPicture {
   std::vector<PassTime> smooth_passes_;
   FrameRequest drawn_;        ///< of the last frame
   FrameRequest last_wanted_;  ///< at full size and with the samples of a moving frame; shows whether anything moved
-  std::optional<FrameRequest> last_valid_request_;  ///< the last that nothing refused, with the state's samples a pixel
+  std::optional<Choices> last_valid_;  ///< the last that nothing refused
   std::uint64_t last_revision_ = 0, last_material_revision_ = 0, looks_taken_ = 0;
   double last_change_s_ = -1e9, slow_look_ms_ = 100.0;
   double drawn_s_ = -1e9;  ///< when the newest frame was begun

@@ -57,6 +57,27 @@ TEST_F(WindowPictures, NothingIsRefinedWhileAPathRestsAtAKey) {
   EXPECT_EQ(turn(&session, now_s += 1.0), kWidth) << "the path has ended";
 }
 
+TEST_F(WindowPictures, AnErrorLeavesTheModesOfPartsAsTheyWereChosen) {
+  Scene scene;
+  scene.materials = {test::matte(glm::vec3(0.5f))};
+  test::add(&scene, test::make_grid({-1, -1, 0}, {1, 0, 0}, {0, 2, 0}, 2, 0), "left");
+  test::add(&scene, test::make_grid({0, -1, 0}, {1, 0, 0}, {0, 2, 0}, 2, 0), "right");
+  SceneOptions two = options();
+  two.scene = path("two.glb");
+  save_glb(two.scene, scene);
+  WindowSession session(two);
+  session.state.mode = "slf";  // one part alone: the request leaves the other to the default mode
+  session.state.settings.set("slf.parts", std::string("left"));
+  session.state.settings.set("slf.run", std::string("hold"));
+  session.state.edits.part_modes = {{"right", "sg"}};
+  EXPECT_EQ(turn(&session, 0.0), kWidth);
+  const Edits chosen = session.state.edits;
+  session.state.edits.reflectors = {"nobody"};
+  EXPECT_EQ(turn(&session, 10.0), 0) << "an error";
+  EXPECT_EQ(session.state.edits, chosen);
+  EXPECT_EQ(session.state.mode, "slf");
+}
+
 TEST_F(WindowPictures, AnotherLookIsShownCoarselyOnlyWhereFramesAreSlow) {
   WindowSession session(options());
   session.state.settings.set("uniform.samples", 32);

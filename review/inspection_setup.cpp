@@ -44,6 +44,13 @@ const std::vector<std::string>& sweep_names() {
   return kNames;
 }
 
+std::array<float, 2> usual_range(int sweep) {
+  // Degrees, degrees, degrees, a share, mrad, mm.
+  static constexpr std::array<std::array<float, 2>, 6> kRanges = {
+      {{10.0f, 80.0f}, {-90.0f, 90.0f}, {20.0f, 70.0f}, {0.0f, 0.2f}, {0.0f, 1.0f}, {3.0f, 7.0f}}};
+  return kRanges[static_cast<std::size_t>(std::clamp(sweep, 0, static_cast<int>(kRanges.size()) - 1))];
+}
+
 const std::vector<std::string>& polarisation_names() {
   static const std::vector<std::string> kNames = {"all", "s", "p", "sunglasses"};
   return kNames;

@@ -41,6 +41,8 @@ inline constexpr int kMostGrid = 8, kMostSweepSteps = 24;
 
 /// The quantities that a sweep varies, in the order of `InspectionSetup::sweep`.
 const std::vector<std::string>& sweep_names();
+/// From and to, in the quantity's own unit, where nothing else was asked for.
+std::array<float, 2> usual_range(int sweep);
 /// In the order of Polarisation.
 const std::vector<std::string>& polarisation_names();
 

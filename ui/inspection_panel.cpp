@@ -230,7 +230,9 @@ void draw_sweep(Ui& ui) {
   view.sweep = std::clamp(view.sweep, 0, count - 1);
   if (ImGui::BeginCombo("##sweep", facts.sweep_names[static_cast<std::size_t>(view.sweep)].c_str())) {
     for (int i = 0; i < count; ++i)
-      if (ImGui::Selectable(facts.sweep_names[static_cast<std::size_t>(i)].c_str(), i == view.sweep)) view.sweep = i;
+      if (ImGui::Selectable(facts.sweep_names[static_cast<std::size_t>(i)].c_str(), i == view.sweep) &&
+          std::exchange(view.sweep, i) != i)
+        view.sweep_range = usual_range(i);  // the numbers were of the other quantity
     ImGui::EndCombo();
   }
   mark_item(ui, "inspection/sweep");

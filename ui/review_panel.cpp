@@ -131,7 +131,7 @@ void draw_compare(Ui& ui) {
   ImGui::EndDisabled();
 }
 
-void draw_key(Ui& ui, PathKey* key) {
+void draw_key(Ui& ui, PathKey* key, bool first) {
   static const char* const kEases[] = {"linear", "in", "out", "smooth"};
   const auto seconds = [&](const char* label, const char* id, const char* help, double* value) {
     auto shown = static_cast<float>(*value);
@@ -158,8 +158,9 @@ void draw_key(Ui& ui, PathKey* key) {
   ImGui::Checkbox("##skip", &key->skip);
   mark_item(ui, "key/skip");
   row_label("Look", "From this key on");
-  if (ImGui::BeginCombo("##key look", key->look ? key->look->c_str() : "as before")) {
-    if (ImGui::Selectable("as before", !key->look)) key->look.reset();
+  const char* const none = first ? "whatever is at hand" : "as before";
+  if (ImGui::BeginCombo("##key look", key->look ? key->look->c_str() : none)) {
+    if (ImGui::Selectable(none, !key->look)) key->look.reset();
     for (const Look& look : ui.state.looks)
       if (ImGui::Selectable(look.name.c_str(), key->look == look.name)) key->look = look.name;
     ImGui::EndCombo();
@@ -214,7 +215,7 @@ void draw_keys(Ui& ui, CameraPath* path) {
   mark_item(ui, "key/add");
   tooltip("A key behind the chosen one (K)");
   if (view.key >= 0 && view.key < static_cast<int>(path->keys.size()))
-    draw_key(ui, &path->keys[static_cast<std::size_t>(view.key)]);
+    draw_key(ui, &path->keys[static_cast<std::size_t>(view.key)], view.key == 0);
 }
 
 void draw_playback(Ui& ui, CameraPath* edited) {

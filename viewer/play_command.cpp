@@ -12,6 +12,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "render/gl/context.h"
@@ -75,6 +76,27 @@ CameraPath path_of_options(const Scene& scene, const SceneOptions& options) {
   return rests;
 }
 
+/// The looks of the path's keys, with what the command changes of them; `--look` takes the place of the first one's.
+void take_looks(const Review& review, const Scene& scene, const SceneOptions& options, Play* play) {
+  const auto first = std::ranges::find(play->path.keys, false, &PathKey::skip);
+  if (!options.look.empty())
+    first->look.reset();
+  else if (!first->look)
+    print_line(stderr,
+               "warning: path %s begins with the state at hand, which each saving of the review may change: "
+               "its first key names no look",
+               play->path.name.c_str());
+  std::set<std::string> names;
+  for (const PathKey& key : play->path.keys)
+    if (key.look && !key.skip) names.insert(find_look(review, *key.look).name);
+  for (Look& look : play->review.looks) {
+    if (!names.contains(look.name)) continue;
+    SceneOptions of_look = options;
+    of_look.look = look.name;
+    look = look_of_review(review, scene, of_look);
+  }
+}
+
 std::shared_ptr<const Scene> load_played(const SceneOptions& options, Play* play) {
   if (const std::optional<Review> review = review_of(options)) {
     play->review = *review;
@@ -84,8 +106,7 @@ std::shared_ptr<const Scene> load_played(const SceneOptions& options, Play* play
     check_path(play->path, options.review + ": path " + options.path);
     if (!options.animation.name.empty()) play->path.animation = options.animation.name;
     if (!play->path.animation.empty()) find_animation(*scene, play->path.animation);
-    for (const PathKey& key : play->path.keys)
-      if (key.look && !key.skip) find_look(*review, *key.look);
+    take_looks(*review, *scene, options, play);
     return scene;
   }
   const std::shared_ptr<Scene> scene = load_session_scene(without_edits(options));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "review/review.h"
 #include "scenes/error.h"
@@ -24,7 +25,34 @@ bool can_play(const CameraPath& path) {
   return std::ranges::count(path.keys, false, &PathKey::skip) >= 2 && path_duration_s(path) > 0.0;
 }
 
+void keep_look(EditorState* state) {
+  state->name = free_name(state->looks, "look " + std::to_string(state->looks.size() + 1));
+  state->looks.push_back(canonical(*state));
+}
+
+/// What a path does not move of a look, without its name.
+Look still_part(Look look) {
+  look.name = look.note = "";
+  look.camera = {};
+  look.edits.animation = {};
+  return canonical(std::move(look));
+}
+
+/// Name of the kept look that is at hand; kept now where there is none.
+std::string look_at_hand(EditorState* state) {
+  const Look now = still_part(*state);
+  const auto same = [&](const Look& look) { return still_part(look) == now; };
+  const auto named = std::ranges::find(state->looks, state->name, &Look::name);
+  if (named != state->looks.end() && same(*named)) return named->name;
+  const auto found = std::ranges::find_if(state->looks, same);
+  if (found != state->looks.end()) return found->name;
+  keep_look(state);
+  return state->name;
+}
+
+/// The first key says what the path is seen in, so that it is the same from whatever is at hand later.
 void add_path(EditorState* state, CameraPath path) {
+  path.keys.front().look = look_at_hand(state);
   path.name = free_name(state->paths, path.name.empty() ? "path" : path.name);
   state->paths.push_back(std::move(path));
   state->path_view.path = static_cast<int>(state->paths.size()) - 1;
@@ -55,17 +83,16 @@ void write_path(WindowSession* session) {
   const std::filesystem::path folder =
       review.empty() ? std::filesystem::current_path() : std::filesystem::path(review).parent_path();
   const std::string file = (folder / (readable_file_name(path->name) + ".path.json")).string();
+  CameraPath moves = *path;  // for any scene: alone, the look of the first key is that of whoever plays it
+  if (std::ranges::none_of(moves.keys.begin() + 1, moves.keys.end(),
+                           [](const PathKey& key) { return key.look.has_value(); }))
+    moves.keys.front().look.reset();
   try {
-    save_path(file, *path);
+    save_path(file, moves);
     session->add_message(MessageLevel::note, "written: " + file);
   } catch (const Error& error) {
     session->add_message(MessageLevel::error, error.what());
   }
-}
-
-void keep_look(EditorState* state) {
-  state->name = free_name(state->looks, "look " + std::to_string(state->looks.size() + 1));
-  state->looks.push_back(canonical(*state));
 }
 
 void go_to_look(WindowSession* session, int index) {
@@ -122,6 +149,7 @@ void WindowPaths::carry_out(const EditorActions& actions, WindowSession* session
   const CameraPath* path = chosen_path(&state);
   if (actions.play_path && path && can_play(*path)) {
     view.playing = !view.playing;
+    taken_.reset();
     view.late_frames = 0;
     begin_s_ = last_frame_s_ = now_s;
   }
@@ -137,9 +165,16 @@ void WindowPaths::show_time(WindowSession* session, double time_s) {
   const CameraPath* path = chosen_path(&state);
   if (!path || !can_play(*path)) return;
   const PathMoment moment = path_at(*path, time_s);
-  if (moment.look && *moment.look != state.name) {
+  // Once at each change: what is changed by hand while it plays stays.
+  if (moment.look && moment.look != std::exchange(taken_, moment.look)) {
+    const auto part = [&](const Look& whole) {
+      Look look = still_part(whole);
+      if (moment.env_rotation_deg) look.edits.env_rotation_deg = 0.0f;
+      if (moment.exposure_ev) look.exposure_ev = 0.0f, look.auto_exposure = false;
+      return look;
+    };
     const auto look = std::ranges::find(state.looks, *moment.look, &Look::name);
-    if (look != state.looks.end()) session->take(*look);
+    if (look != state.looks.end() && (look->name != state.name || part(*look) != part(state))) session->take(*look);
   }
   state.camera = moment.camera;
   if (!path->animation.empty()) state.edits.animation = {path->animation, moment.time_s};
@@ -179,7 +214,10 @@ void WindowPaths::update(WindowSession* session, double now_s) {
   if (view.playing) play(session, now_s);
   playing_ = view.playing;
   if (view.recording) record(session, now_s);
-  if (view.goes_there) show_time(session, view.time_s);
+  if (view.goes_there) {
+    if (!view.playing) taken_.reset();
+    show_time(session, view.time_s);
+  }
   view.goes_there = false;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "review/camera_path.h"
@@ -24,6 +26,7 @@ class WindowPaths {
   bool playing_ = false;
   double begin_s_ = 0.0;  ///< of playing or recording
   double last_frame_s_ = 0.0;
+  std::optional<std::string> taken_;  ///< look of the path that was taken last
   std::vector<RecordedView> recorded_;
 };
 

@@ -4,6 +4,7 @@
 #include "review/inspection_setup.h"
 #include "tests/ui/headless_editor.h"
 #include "tests/ui/small_scene.h"
+#include "viewer/measure/measure_options.h"
 
 namespace maquette {
 namespace {
@@ -41,6 +42,25 @@ TEST(InspectionPanel, AMeasurementInWorkCanBeCancelled) {
   EXPECT_TRUE(editor.actions.inspection.cancel);
   ASSERT_TRUE(editor.click("inspection/run"));
   EXPECT_FALSE(editor.actions.inspection.run_sweep) << "one at a time";
+}
+
+TEST(InspectionPanel, AnotherQuantityIsVariedOverItsOwnRange) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 1400.0f);
+  editor.facts.scene = &scene;
+  editor.facts.inspection.sweep_names = sweep_names();
+  editor.state.right_tab = 4;
+  editor.state.inspection.sweep_range = {12.0f, 34.0f};
+  editor.step(3);
+  ASSERT_TRUE(editor.click("inspection/sweep"));
+  editor.press(ImGuiKey_DownArrow);
+  editor.press(ImGuiKey_DownArrow);
+  editor.press(ImGuiKey_Enter);
+  ASSERT_NE(editor.state.inspection.sweep, 0);
+  EXPECT_EQ(editor.state.inspection.sweep_range, usual_range(editor.state.inspection.sweep));
+  for (std::size_t i = 0; i < sweep_names().size(); ++i)
+    for (const float value : usual_range(static_cast<int>(i)))
+      EXPECT_NO_THROW(check_sweep_value(sweep_names()[i], static_cast<double>(value)));
 }
 
 TEST(InspectionPanel, TheLegendHasItsNumbersWhereTheyBelong) {

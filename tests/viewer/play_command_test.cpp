@@ -107,6 +107,27 @@ TEST_F(Play, FramesAreTheSameResumedAndRendered) {
   }
 }
 
+TEST_F(Play, APathWhoseFirstKeyNamesALookIsTheSameFromAnyState) {
+  const ProgramResult before = play("loose", {"--format", "exr"});
+  EXPECT_TRUE(contains(before.error, "its first key names no look")) << before.error;
+  review_.paths[0].keys[0].look = "red";
+  save_review(file_, review_);
+  const ProgramResult one = play("one", {"--format", "exr"});
+  ASSERT_EQ(one.exit_code, 0) << one.error;
+  EXPECT_FALSE(contains(one.error, "names no look")) << one.error;
+  review_.look.edits.env_scale = 3.0f;
+  review_.look.mode = "splitsum";
+  save_review(file_, review_);
+  ASSERT_EQ(play("two", {"--format", "exr"}).exit_code, 0);
+  expect_same_pixels("one/frame-00000.exr", "two/frame-00000.exr");
+  // What the command changes holds in the looks of keys too.
+  ASSERT_EQ(play("bright", {"--format", "exr", "--env-scale", "2"}).exit_code, 0);
+  const Image plain = load_hdr_image(folder_.file("one/frame-00000.exr")),
+              bright = load_hdr_image(folder_.file("bright/frame-00000.exr"));
+  for (const std::size_t i : {std::size_t{0}, plain.data.size() / 8 * 4})
+    EXPECT_NEAR(bright.data[i], 2.0f * plain.data[i], 1e-3f * plain.data[i]);
+}
+
 TEST_F(Play, AFolderOfAnotherPathIsRefused) {
   ASSERT_EQ(play("frames").exit_code, 0);
   review_.paths[0].keys[1].camera.eye.y += 0.1f;

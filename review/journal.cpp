@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "review/json_reader.h"
+#include "review/json_text.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 
@@ -33,7 +34,7 @@ constexpr int kJournalFormat = 1;
 
 /// A record behind the hash of its text, by which damage is known.
 std::string line_of(const Json& record) {
-  const std::string text = record.dump();
+  const std::string text = json_text(record);
   char digits[24];
   std::snprintf(digits, sizeof digits, "%016llx ",
                 static_cast<unsigned long long>(content_hash(std::as_bytes(std::span(text.data(), text.size())))));
@@ -43,7 +44,7 @@ std::string line_of(const Json& record) {
 /// Throws std::exception for a line that is damaged or was written in part.
 Json record_of(const std::string& line) {
   constexpr std::size_t kHash = 17;
-  Json record = Json::parse(line.substr(std::min(kHash, line.size())));
+  Json record = json_from_text(line.substr(std::min(kHash, line.size())));
   if (line_of(record) != line + "\n") throw std::runtime_error("damaged");
   return record;
 }

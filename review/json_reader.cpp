@@ -14,7 +14,8 @@ namespace maquette {
 using Json = nlohmann::json;
 
 std::string read_text_file(const std::string& file) {
-  const std::vector<std::byte> bytes = read_file(file);
+  constexpr std::size_t kLargest = 64u << 20u;  // as a tree eight times that
+  const std::vector<std::byte> bytes = read_file(file, kLargest);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 

@@ -5,6 +5,7 @@
 
 #include "review/camera_path.h"
 #include "review/json_reader.h"
+#include "review/json_text.h"
 #include "review/look_json.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -78,7 +79,7 @@ CameraPath path_from_json(const Json& json, const std::string& where) {
 CameraPath load_path(const std::string& file) {
   Json json;
   try {
-    json = Json::parse(read_text_file(file));
+    json = json_from_text(read_text_file(file));
   } catch (const Json::exception& problem) {
     throw Error(file, "it is no JSON: " + json_fault(problem.what()), "export it again");
   }
@@ -92,7 +93,7 @@ CameraPath load_path(const std::string& file) {
 }
 
 void save_path(const std::string& file, const CameraPath& path) {
-  const std::string text = Json{{"maquette_path", kPathFormat}, {"path", path_json(path)}}.dump(1) + "\n";
+  const std::string text = json_text(Json{{"maquette_path", kPathFormat}, {"path", path_json(path)}}, 1) + "\n";
   write_file_atomically(file, std::as_bytes(std::span(text.data(), text.size())));
 }
 

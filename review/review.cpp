@@ -8,6 +8,7 @@
 
 #include "render/btf/btf_source.h"
 #include "review/json_reader.h"
+#include "review/json_text.h"
 #include "review/look_json.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -103,7 +104,7 @@ Review read_document(JsonReader* reader, const SourceMap& from_file) {
 
 Json parse_json(const std::string& text, const std::string& file) {
   try {
-    return Json::parse(text);
+    return json_from_text(text);
   } catch (const Json::exception& problem) {
     throw Error(file, "it is damaged: " + json_fault(problem.what()),
                 "a window restores it from its journal: maquette view " + file);
@@ -169,7 +170,7 @@ std::string review_text(const Review& review, const std::string& file, const std
   for (const std::string& source : review_sources(review))
     if (fs::exists(place_of(source))) json["files"][relative_source(source, folder)] = source_hash(source);
   json["bakes"] = bakes_json(bakes, review);
-  return json.dump(1) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 Review parse_review(const std::string& text, const std::string& file, std::vector<ReviewBake>* bakes) {

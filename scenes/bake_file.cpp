@@ -175,7 +175,7 @@ BakeFile load_bake_file(const std::string& path) {
   BakeFile file;
   std::string stored;
   try {
-    Imf::MultiPartInputFile input(path.c_str());
+    Imf::MultiPartInputFile input(checked_exr(path));
     for (int i = 0; i < input.parts(); ++i) {
       if (!input.partComplete(i)) throw Error(path, "the bake is truncated", "bake it again");
       file.tables.push_back(read_part(path, input, i));

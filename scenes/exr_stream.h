@@ -23,4 +23,8 @@ class ExrStream final : public Imf::OStream {
   int error_ = 0;  ///< errno of the first failure
 };
 
+/// The path again, once no attribute of a header says that it is longer than the file: OpenEXR reserves that memory
+/// before it reads. What is no EXR file is left to OpenEXR. Throws std::runtime_error. Source: "OpenEXR File Layout".
+const char* checked_exr(const std::string& path);
+
 }  // namespace maquette

@@ -366,6 +366,8 @@ Json parse_numbers_of_any_size(std::string_view text) {
 
 Json parse_checked(const std::string& path, std::string_view text) {
   check_nesting(path, text);
+  if (has_too_many_values(text))
+    throw Error(path, "its JSON has more than 20 million values", "numbers belong into a buffer");
   Json root;
   try {
     root = parse_numbers_of_any_size(text);

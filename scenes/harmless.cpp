@@ -36,6 +36,10 @@ bool steers(std::uint32_t c) {
          (c >= 0x2028u && c <= 0x202eu) || (c >= 0x2066u && c <= 0x2069u) || c == 0xfeffu;
 }
 
+/// What stands for bytes that are no UTF-8, and how it begins.
+constexpr std::uint32_t kPrivateCode = 0x10ff00u;
+const std::string kPrivate = "\xf4\x8f";
+
 std::string byte_escape(unsigned byte) {
   char text[8];
   std::snprintf(text, sizeof text, "\\x%02x", byte & 255u);
@@ -76,6 +80,32 @@ std::string harmless_json(const std::string& document) {
     else
       out.append(document, at, c.bytes);
     at += c.bytes == 0 ? 1 : c.bytes;
+  }
+  return out;
+}
+
+std::string as_utf8(const std::string& name) {
+  std::string out;
+  for (std::size_t at = 0; at < name.size();) {
+    const Character c = character_at(name, at);
+    if (c.bytes == 0) {
+      const unsigned byte = static_cast<unsigned char>(name[at]);
+      out += kPrivate;
+      out += static_cast<char>(0xbcu | byte >> 6u);
+      out += static_cast<char>(0x80u | (byte & 0x3fu));
+    } else {
+      out.append(name, at, c.bytes);
+    }
+    at += c.bytes == 0 ? 1 : c.bytes;
+  }
+  return out;
+}
+
+std::string from_utf8(const std::string& text) {
+  std::string out = text;
+  for (std::size_t at = 0; (at = out.find(kPrivate, at)) != std::string::npos; ++at) {
+    const Character c = character_at(out, at);
+    if (c.code >= kPrivateCode) out.replace(at, c.bytes, 1, static_cast<char>(c.code & 255u));
   }
   return out;
 }

@@ -11,4 +11,9 @@ std::string harmless(const std::string& text, bool lines = false);
 /// The same of a JSON document, whose strings stay what they are: by JSON's own escapes.
 std::string harmless_json(const std::string& document);
 
+/// A name for documents that must be UTF-8: of bytes that are none each becomes the private character U+10FF00 + byte.
+std::string as_utf8(const std::string& name);
+/// The bytes again.
+std::string from_utf8(const std::string& text);
+
 }  // namespace maquette

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scenes/error.h"
+#include "scenes/exr_stream.h"
 #include "scenes/image_color.h"
 #include "scenes/image_exr_channels.h"
 #include "scenes/image_exr_threads.h"
@@ -242,7 +243,7 @@ void stream_canvas(RowReader* reader, const Window& data, const Window& canvas, 
 }
 
 void stream_picture(const std::string& path, HdrUse use, const HdrBegin& begin, const HdrRows& rows) {
-  Imf::MultiPartInputFile file(path.c_str());
+  Imf::MultiPartInputFile file(checked_exr(path));
   HdrInfo info;
   const ExrPicture picture = choose_exr_picture(path, file, &info.warnings);
   const Imf::Header& header = file.header(picture.channels[0].part);

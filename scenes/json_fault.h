@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 
 namespace maquette {
 
@@ -13,6 +14,13 @@ inline std::string json_fault(std::string message) {
   const std::size_t number = message.find("] ");
   if (message.starts_with("[") && number != std::string::npos) message.erase(0, number + 2);
   return message.size() > kLongest ? message.substr(0, kLongest) + " ..." : message;
+}
+
+/// Values take sixteen bytes and more as a tree, eight times their text: such a document is refused before it is
+/// parsed.
+inline bool has_too_many_values(std::string_view text) {
+  constexpr std::ptrdiff_t kMostValues = 20'000'000;
+  return std::count(text.begin(), text.end(), ',') > kMostValues;
 }
 
 }  // namespace maquette

@@ -1,6 +1,12 @@
 #include "scenes/scene.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
 #include "scenes/error.h"
+#include "scenes/subject_bounds.h"
 
 namespace maquette {
 
@@ -55,9 +61,35 @@ std::size_t count_triangles(const Scene& scene) {
   return count;
 }
 
+namespace {
+
+/// Rays and shadows find surfaces by coordinates in float, which are coarse far from the origin: at 65 km shadows on a
+/// car err by several percent.
+std::string distance_warning(const Scene& scene) {
+  constexpr float kCoarse = 2e-5f;  // of the extent: then light is still within 1 %
+  const Bounds bounds = subject_bounds(scene);
+  if (bounds.empty()) return {};
+  const glm::vec3 far = glm::max(glm::abs(bounds.min), glm::abs(bounds.max)), size = bounds.max - bounds.min;
+  const float distance_m = std::max({far.x, far.y, far.z}), extent_m = std::max({size.x, size.y, size.z});
+  const float step_m = std::nextafter(distance_m, std::numeric_limits<float>::infinity()) - distance_m;
+  if (!(extent_m > 0.0f) || step_m <= kCoarse * extent_m) return {};
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "lies %.4g km from the origin, where coordinates are %.2g mm apart: light and shadows err by more than "
+                "1 %%; move it to the origin",
+                1e-3 * static_cast<double>(distance_m), 1e3 * static_cast<double>(step_m));
+  return text;
+}
+
+}  // namespace
+
 Scene load_scene(const std::string& source, const std::string& scene) {
   constexpr std::string_view kBuiltin = "builtin:";
-  if (!source.starts_with(kBuiltin)) return load_gltf(source, scene);
+  if (!source.starts_with(kBuiltin)) {
+    Scene loaded = load_gltf(source, scene);
+    if (std::string warning = distance_warning(loaded); !warning.empty()) loaded.warnings.push_back(std::move(warning));
+    return loaded;
+  }
   if (!scene.empty()) throw UsageError("--scene " + scene, source + " is one scene", "leave it out");
   return build_builtin_scene(source.substr(kBuiltin.size()));
 }

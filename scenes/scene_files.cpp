@@ -5,6 +5,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/gltf_file.h"
+#include "scenes/json_fault.h"
 
 namespace maquette {
 
@@ -13,7 +14,9 @@ std::vector<std::string> scene_files(const std::string& path) {
   try {
     const std::vector<std::byte> bytes = read_file(path);
     gltf::Warnings ignored;
-    const nlohmann::json root = nlohmann::json::parse(gltf::split_container(path, bytes, &ignored).json);
+    const auto text = gltf::split_container(path, bytes, &ignored).json;
+    if (has_too_many_values(text)) return files;
+    const nlohmann::json root = nlohmann::json::parse(text);
     for (const char* array : {"buffers", "images"}) {
       if (!root.contains(array)) continue;
       for (const nlohmann::json& element : root.at(array)) {

@@ -36,9 +36,12 @@ glm::vec3 median(const std::vector<glm::vec3>& points) {
 /// How far those reach that are not far: the least value after which one follows that is `kFar` times as large, if at
 /// most `few` follow; infinity without one.
 float usual_reach(std::vector<float> reaches, std::size_t few) {
-  std::ranges::sort(reaches);
-  for (std::size_t i = reaches.size() - std::min(few, reaches.size()); i < reaches.size(); ++i)
-    if (i > 0 && reaches[i - 1] > 0.0f && reaches[i] > kFar * reaches[i - 1]) return reaches[i - 1];
+  // Only the farthest are looked at, and the one before them.
+  const std::size_t first = reaches.size() - std::min(few + 1, reaches.size());
+  std::ranges::nth_element(reaches, reaches.begin() + static_cast<std::ptrdiff_t>(first));
+  std::sort(reaches.begin() + static_cast<std::ptrdiff_t>(first), reaches.end());
+  for (std::size_t i = first + 1; i < reaches.size(); ++i)
+    if (reaches[i - 1] > 0.0f && reaches[i] > kFar * reaches[i - 1]) return reaches[i - 1];
   return std::numeric_limits<float>::infinity();
 }
 

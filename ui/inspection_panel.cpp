@@ -213,6 +213,9 @@ void name_step(const InspectionFacts& facts) {
   const float share = (ImGui::GetIO().MousePos.x - low.x) / std::max(high.x - low.x, 1.0f);
   const float last = static_cast<float>(facts.sweep_y.size() - 1);
   const auto at = static_cast<std::size_t>(std::clamp(std::round(share * last), 0.0f, last));
+  if (std::isnan(facts.sweep_y[at]))
+    return ImGui::SetTooltip("%s %s: the eye does not look through the pane",
+                             plain_number(static_cast<double>(facts.sweep_x[at])).c_str(), facts.sweep_unit.c_str());
   ImGui::SetTooltip("%s %s: %s %s", plain_number(static_cast<double>(facts.sweep_x[at])).c_str(),
                     facts.sweep_unit.c_str(), plain_number(static_cast<double>(facts.sweep_y[at])).c_str(),
                     facts.sweep_measure.c_str());
@@ -246,18 +249,24 @@ void draw_sweep(Ui& ui) {
   mark_item(ui, "inspection/run");
   ImGui::EndDisabled();
   if (facts.sweep_y.empty()) return;
-  const float most = *std::max_element(facts.sweep_y.begin(), facts.sweep_y.end());
+  // Steps at which no eye looks through the pane have no value.
+  const auto less = [](float a, float b) { return !(a >= b) && !std::isnan(b); };
+  const auto largest = std::ranges::max_element(facts.sweep_y, less);
+  const float most = std::isnan(*largest) ? 0.0f : *largest;
+  const auto blind = std::ranges::count_if(facts.sweep_y, [](float y) { return std::isnan(y); });
   ImGui::PlotLines("##plot", facts.sweep_y.data(), static_cast<int>(facts.sweep_y.size()), 0, facts.sweep_title.c_str(),
                    0.0f, 1.1f * std::max(most, 1e-9f), {ImGui::GetContentRegionAvail().x, scaled(110.0f)});
   name_step(facts);
   mark_item(ui, "inspection/plot");
-  const auto worst = std::max_element(facts.sweep_y.begin(), facts.sweep_y.end()) - facts.sweep_y.begin();
+  const auto worst = largest - facts.sweep_y.begin();
   char text[160];
   std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %s %s at %.4g", static_cast<double>(facts.sweep_x.front()),
                 static_cast<double>(facts.sweep_x.back()), facts.sweep_unit.c_str(),
                 plain_number(static_cast<double>(most)).c_str(), facts.sweep_measure.c_str(),
                 static_cast<double>(facts.sweep_x[static_cast<std::size_t>(worst)]));
   ImGui::TextWrapped("%s", text);
+  if (blind > 0)
+    ImGui::TextWrapped("At %d steps the eye does not look through the pane: left out", static_cast<int>(blind));
 }
 
 void draw_export(Ui& ui) {

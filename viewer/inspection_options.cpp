@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace maquette {
 
@@ -129,13 +130,13 @@ std::string interval_text(const Interval& i) {
 bool changes_glass_alone(const std::string& sweep) { return sweep == "wedge" || sweep == "thickness"; }
 
 std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps, bool ghost) {
-  std::vector<float> worst(steps.size(), 0.0f);
+  std::vector<float> worst(steps.size(), std::numeric_limits<float>::quiet_NaN());
   for (const EyeValues& eye : result.eyes)
-    for (std::size_t i = 0; i < steps.size(); ++i) {
+    for (std::size_t i = 0; i < steps.size() && eye.looks_through; ++i) {
       if (eye.step.empty() || eye.regions.empty() || static_cast<float>(eye.step.front().second) != steps[i]) continue;
       const RegionValues& region = eye.regions.front();
       const double angle = region.ghost_arcmin ? region.ghost_arcmin->mean : 0.0;
-      worst[i] = std::max(worst[i], static_cast<float>(ghost ? angle : region.reflected.mean));
+      worst[i] = std::fmax(worst[i], static_cast<float>(ghost ? angle : region.reflected.mean));
     }
   return worst;
 }

@@ -17,6 +17,7 @@
 
 #include "render/gl/context.h"
 #include "review/json_reader.h"
+#include "review/json_text.h"
 #include "review/look_json.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -132,9 +133,9 @@ std::string key_of(const Play& play, const Scene& scene) {
   const FrameSize& size = play.settled.size;
   report::ContentKey key = report::scene_key(scene);
   const auto same = [](const std::string& source) { return source; };
-  key.mix(look_json(canonical(play.review.look), same).dump()).mix(path_json(play.path).dump());
+  key.mix(json_text(look_json(canonical(play.review.look), same))).mix(json_text(path_json(play.path)));
   for (const PathKey& at : play.path.keys)
-    if (at.look && !at.skip) key.mix(look_json(canonical(find_look(play.review, *at.look)), same).dump());
+    if (at.look && !at.skip) key.mix(json_text(look_json(canonical(find_look(play.review, *at.look)), same)));
   for (const std::string& source : review_sources(play.review)) key.mix(source_hash(source));
   for (const double value : {static_cast<double>(size.width), static_cast<double>(size.height),
                              static_cast<double>(size.msaa), static_cast<double>(size.samples),

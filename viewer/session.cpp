@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "render/bake/bake_settings.h"
 #include "render/parts/parts.h"
 #include "render/picture/tonemap.h"
 #include "render/technique/registry.h"
@@ -395,7 +396,7 @@ FrameRequest make_request(const Scene& scene, const Look& look, const FrameSize&
   request.variant = variant_index(scene, look.edits.variant);
   request.reflections = look.reflections;
   request.reflectors = {look.edits.reflectors.begin(), look.edits.reflectors.end()};
-  request.settings = look.settings;
+  request.settings = with_settings_of_bakes(builtin_registry(), look.settings, scene.name);
   // A mode that draws whole pictures shares none; the parts' modes are there again when another is chosen.
   if (builtin_registry().find_mode(look.mode).can.traces_picture) return request;
   set_modes_of_parts(scene, &request);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/frame/vocabulary.h"
+#include "review/json_text.h"
 #include "viewer/json_values.h"
 
 namespace maquette {
@@ -88,7 +89,7 @@ std::string stats_json(const SceneOptions& options, const FrameRequest& request,
   json["skipped"] = skipped_json(last.plan, last.skipped);
   json["left_out"] = left_out_json(last.plan);
   if (report.error) json["error"] = error_json(*report.error);
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace maquette

@@ -7,6 +7,7 @@
 
 #include "review/journal.h"
 #include "review/json_reader.h"
+#include "review/json_text.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 
@@ -28,7 +29,7 @@ void WindowMemory::note(const std::string& source) {
 WindowMemory load_window_memory() {
   WindowMemory memory;
   try {
-    const nlohmann::json json = nlohmann::json::parse(read_text_file(memory_file()));
+    const nlohmann::json json = json_from_text(read_text_file(memory_file()));
     JsonReader reader(json, "window.json: ");
     WindowMemory read;
     read.recent = reader.texts("recent");
@@ -49,11 +50,10 @@ WindowMemory load_window_memory() {
 
 void save_window_memory(const WindowMemory& memory) {
   try {
-    const std::string text = nlohmann::json{{"recent", memory.recent},         {"left_open", memory.left_open},
-                                            {"right_open", memory.right_open}, {"text_scale", memory.text_scale},
-                                            {"width", memory.width},           {"height", memory.height}}
-                                 .dump(1) +
-                             "\n";
+    const nlohmann::json json = {{"recent", memory.recent},         {"left_open", memory.left_open},
+                                 {"right_open", memory.right_open}, {"text_scale", memory.text_scale},
+                                 {"width", memory.width},           {"height", memory.height}};
+    const std::string text = json_text(json, 1) + "\n";
     write_file_atomically(memory_file(), std::as_bytes(std::span(text.data(), text.size())));
   } catch (const Error&) {
   }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "review/journal.h"
+#include "review/json_text.h"
 #include "review/look_json.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -29,7 +30,7 @@ std::string WindowThumbnails::key_of(const Look& look) const {
   Look shown = canonical(look);
   shown.name.clear();
   shown.note.clear();
-  const std::string text = scene_ + look_json(shown, [](const std::string& source) { return source; }).dump();
+  const std::string text = scene_ + json_text(look_json(shown, [](const std::string& source) { return source; }));
   char digits[20];
   std::snprintf(digits, sizeof digits, "%016llx",
                 static_cast<unsigned long long>(content_hash(std::as_bytes(std::span(text.data(), text.size())))));

@@ -70,13 +70,12 @@ class CachedBakeKind : public BakeKind<Input, Value> {
 
 /// Where a bake is kept that can be resumed.
 struct BakePlace {
-  std::string path;  ///< empty: nowhere
-  /// Named by the user: what is damaged or cannot be written is an error. Of the cache, it is as good as absent.
-  bool must_work = false;
-  bool writable = true;  ///< else it is only read: what a review or a setting names is not for drawing to write
+  std::string path;        ///< empty: nowhere
+  bool must_save = false;  ///< named by the user: what cannot be written is an error
+  bool writable = true;    ///< else it is only read: what a review or a setting names is not for drawing to write
 };
 
-/// A kind that is kept in one file, whole or in part, and resumed from it.
+/// A kind that is kept in one file, whole or in part, and resumed from it; one that is damaged is as good as absent.
 template <typename Input, typename Value>
 class FileBakeKind : public BakeKind<Input, Value> {
  public:
@@ -87,8 +86,7 @@ class FileBakeKind : public BakeKind<Input, Value> {
     try {
       return {std::make_shared<const Value>(read(at.path)), false, true};
     } catch (const Error&) {
-      if (at.must_work) throw;
-      return {};
+      return {};  // damaged: it is made anew
     }
   }
   void save(const Input& input, const Value& value, bool complete) override {
@@ -99,7 +97,7 @@ class FileBakeKind : public BakeKind<Input, Value> {
       std::filesystem::create_directories(std::filesystem::path(at.path).parent_path(), ignored);
       write(at.path, input, value, complete);
     } catch (const Error&) {
-      if (at.must_work) throw;
+      if (at.must_save) throw;
     }
   }
 

@@ -127,7 +127,7 @@ OctreeJob SceneBakes::make_octree_job(const SceneState& scene, const OctreeState
   job.options.interest = state.interest;
   job.path = state.path;
   job.scene = scene.scene().name;
-  job.must_load = !folder.empty();
+  job.must_save = !folder.empty();
   job.keeps = folder.empty();
   return job;
 }

@@ -266,19 +266,20 @@ std::uint64_t material_source_key(const std::string& source) {
 BrdfTable load_material_table(const std::string& source, const BtfTask& task) {
   if (!is_btf_source(source)) return load_brdf(source);
   const BtfSource parsed = parse_btf_source(source);
-  if (is_factorised(parsed)) return mean_table(*load_btf(source, task));
-  const std::uint64_t key = key_of(parsed);
+  const std::shared_ptr<const Btf> factorised = is_factorised(parsed) ? load_btf(source, task) : nullptr;
+  const std::uint64_t key = factorised ? factorised->hash : key_of(parsed);
+  const std::string& name = factorised ? factorised->name : parsed.place;
   if (const auto bytes = cache_load("btf-mean", kMeanVersion, key);
       bytes && bytes->size() == kBrdfEntryCount * sizeof(glm::vec3)) {
     BrdfTable table;
-    table.name = parsed.place;
+    table.name = name;
     table.rgb.resize(kBrdfEntryCount);
     std::memcpy(static_cast<void*>(table.rgb.data()), bytes->data(), bytes->size());
     table.hash = content_hash(std::as_bytes(std::span(table.rgb)));
     return table;
   }
-  BrdfTable table = mean_table(load_or_make(parsed, key, task));
-  table.name = parsed.place;
+  BrdfTable table = factorised ? mean_table(*factorised) : mean_table(load_or_make(parsed, key, task));
+  table.name = name;
   cache_store("btf-mean", kMeanVersion, key, std::as_bytes(std::span(table.rgb)));
   return table;
 }

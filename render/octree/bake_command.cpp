@@ -33,7 +33,7 @@ OctreeJob make_job(const BakeRequest& request) {
   const std::string& folder = request.folder.empty() ? settings.get_string("octree.bake") : request.folder;
   job.path = octree_file_path(folder, request.scene.name, job.options.depth);
   if (job.path.empty()) throw Error("maquette bake", "the cache is switched off", "name a folder: -o DIR");
-  job.must_load = true;
+  job.must_save = true;
   return job;
 }
 

@@ -36,7 +36,7 @@ Baked<CellBrdfs> CellBrdfKind::run(const CellBrdfJob& job, const Baked<CellBrdfs
 }
 
 BakePlace CellBrdfKind::place(const CellBrdfJob& job) const {
-  return {cell_brdf_file_path(job.octree.path), job.octree.must_load, job.octree.keeps};
+  return {cell_brdf_file_path(job.octree.path), job.octree.must_save, job.octree.keeps};
 }
 
 CellBrdfs CellBrdfKind::read(const std::string& path) const { return load_cell_brdf_file(path).brdfs; }

@@ -18,7 +18,7 @@ struct OctreeJob {
   std::shared_ptr<const OctreeBricks> before;  ///< what may be reused; null: what the file holds
   std::string path;                            ///< of the bake file; empty: none
   std::string scene;                           ///< its name, for the file
-  bool must_load = false;                      ///< a file that is there and damaged is an error, not absent
+  bool must_save = false;                      ///< a file that cannot be written is an error
   bool keeps = true;                           ///< the file is written
 };
 
@@ -37,7 +37,7 @@ class OctreeKind : public FileBakeKind<OctreeJob, OctreeResult> {
   Baked<OctreeResult> run(const OctreeJob&, const Baked<OctreeResult>& kept, const BakeTask<OctreeResult>&) override;
 
  protected:
-  BakePlace place(const OctreeJob& job) const override { return {job.path, job.must_load, job.keeps}; }
+  BakePlace place(const OctreeJob& job) const override { return {job.path, job.must_save, job.keeps}; }
   OctreeResult read(const std::string& path) const override;
   void write(const std::string& path, const OctreeJob&, const OctreeResult&, bool complete) const override;
 };

@@ -3,11 +3,18 @@
 #include <chrono>
 #include <cstdio>
 
+#include "render/bake/bake_settings.h"
 #include "render/prt/job.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 
 namespace maquette {
+
+std::vector<std::string> transfer_bake_settings() {
+  return {"prt.faces",        "prt.clusters", "prt.components",     "prt.btf_components", "prt.bounces",
+          "prt.vertices",     "prt.form",     "prt.texel_clusters", "prt.joint_clusters", "prt.rays",
+          "prt.vertex_error", "prt.parts",    "prt.shadows"};
+}
 
 namespace {
 
@@ -15,12 +22,12 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-TransferJob make_job(const BakeRequest& request) {
+TransferJob make_job(const BakeRequest& request, const Settings& settings) {
   auto scene = std::make_shared<Scene>(request.scene);
   scene->materials = effective_materials(request.scene, request.materials);
   MeasuredLibrary library;
   const TransferInput input{
-      scene, std::make_shared<const FlatGeometry>(flatten(request.scene)), request.variant, {}, request.settings};
+      scene, std::make_shared<const FlatGeometry>(flatten(request.scene)), request.variant, {}, settings};
   TransferJob job = make_transfer_job(input, request.folder, &library);
   if (job.folder.empty()) throw Error("maquette bake", "the cache is switched off", "name a folder: -o DIR");
   job.must_work = job.may_make = true;
@@ -28,8 +35,12 @@ TransferJob make_job(const BakeRequest& request) {
 }
 
 void run(const BakeRequest& request, const BakeControl& control) {
-  const TransferJob job = make_job(request);
+  const std::string& folder = request.folder.empty() ? request.settings.get_string("prt.bake") : request.folder;
+  const std::vector<std::string> names = transfer_bake_settings();
+  const Settings settings = with_settings_of(transfer_folder(folder, request.scene.name, ""), request.settings, names);
+  const TransferJob job = make_job(request, settings);
   BakeRanks ranks = ranks_from_environment();
+  if (ranks.rank == 0 && !folder.empty()) begin_bake_settings(job.folder, settings, names);
   ranks.say = [&](const std::string& text) {
     if (ranks.rank == 0) control.report(text);
   };

@@ -6,5 +6,7 @@ namespace maquette {
 
 /// `maquette bake prt`: transfer, resumable; under `mpirun` several processes share it.
 BakeCommand transfer_bake_command();
+/// Names of the settings that decide what is baked.
+std::vector<std::string> transfer_bake_settings();
 
 }  // namespace maquette

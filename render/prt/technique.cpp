@@ -128,7 +128,7 @@ Technique prt_technique() {
   info.make_mode = make_transfer_mode;
   info.shader_variants = transfer_shader_variants;
   info.own_bake = OwnBake{"prt", "the light of its vertices is a sum over precomputed transfer",
-                          [] { return std::make_unique<TransferStore>(); }};
+                          [] { return std::make_unique<TransferStore>(); }, false, transfer_bake_settings()};
   info.bakes = {transfer_bake_command()};
   info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
     const std::string& asked = settings.get_string("shading.visibility");

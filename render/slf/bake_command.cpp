@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/bake/bake_settings.h"
 #include "render/parts/baked_parts.h"
 #include "render/reference/path_scene.h"
 #include "render/scene_state/material_overrides.h"
@@ -13,13 +14,17 @@
 
 namespace maquette {
 
+std::vector<std::string> light_field_bake_settings() {
+  return {"slf.texels", "slf.texels_per_m", "slf.parts", "slf.directions", "slf.paths"};
+}
+
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-LightFieldJob make_job(const BakeRequest& request) {
+LightFieldJob make_job(const BakeRequest& request, const Settings& settings, const std::string& folder) {
   auto scene = std::make_shared<Scene>(request.scene);
   scene->materials = effective_materials(request.scene, request.materials);
   LightFieldInput input;
@@ -36,13 +41,12 @@ LightFieldJob make_job(const BakeRequest& request) {
     dark->rgb.assign(32 * 16, glm::vec3(0.0f));
     input.environment = dark;
   }
-  LightFieldJob job = make_light_field_job(input, request.settings);
-  if (!request.materials.empty() && request.folder.empty() && request.settings.get_string("slf.bake").empty())
+  LightFieldJob job = make_light_field_job(input, settings);
+  if (!request.materials.empty() && folder.empty())
     throw Error("--material", "a render looks in the cache only for light that the scene's own materials reflect",
                 "name a folder: -o DIR, and show it with --set slf.bake=DIR");
   if (job.incident.parts.empty())
     throw Error("maquette bake slf", "no opaque surface is left that could get texels", "name other parts: slf.parts");
-  const std::string& folder = request.folder.empty() ? request.settings.get_string("slf.bake") : request.folder;
   job.incident.folder = incident_folder(folder, job.incident);
   if (job.incident.folder.empty()) throw Error("maquette bake", "the cache is switched off", "name a folder: -o DIR");
   job.incident.must_work = job.incident.may_make = true;
@@ -79,8 +83,12 @@ std::string time_left(double share, double seconds) {
 }
 
 void run(const BakeRequest& request, const BakeControl& control) {
-  const LightFieldJob job = make_job(request);
+  const std::string& folder = request.folder.empty() ? request.settings.get_string("slf.bake") : request.folder;
+  const std::vector<std::string> names = light_field_bake_settings();
+  const Settings settings = with_settings_of(incident_folder(folder, request.scene.name, ""), request.settings, names);
+  const LightFieldJob job = make_job(request, settings, folder);
   BakeRanks ranks = ranks_from_environment();
+  if (ranks.rank == 0 && !folder.empty()) begin_bake_settings(job.incident.folder, settings, names);
   ranks.say = [&](const std::string& text) {
     if (ranks.rank == 0) control.report(text);
   };

@@ -103,7 +103,7 @@ Technique slf_technique() {
   info.make_mode = make_light_field_mode;
   info.shader_variants = light_field_shader_variants;
   info.own_bake = OwnBake{"slf", "the radiance that leaves its surfaces is looked up",
-                          [] { return std::make_unique<LightFieldStore>(); }, true};
+                          [] { return std::make_unique<LightFieldStore>(); }, true, light_field_bake_settings()};
   info.bakes = {light_field_bake_command()};
   info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
     const std::string& asked = settings.get_string("shading.visibility");

@@ -61,6 +61,7 @@ struct OwnBake {
   std::string reason;  ///< what the mode draws with it
   std::function<std::unique_ptr<SceneBake>()> make = {};  ///< called when a plan first wants it
   bool has_lights = false;                                ///< what the scene's own lights bring is in it
+  std::vector<std::string> settings = {};                 ///< names of those that decide what is baked
 };
 
 /// What a mode's plan function decides from.

@@ -207,7 +207,7 @@ std::size_t count_attribute(const std::string& path, const Imf::Header& header, 
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : path_(path), input_(path.c_str()) {}
+  explicit Reader(const std::string& path) : path_(path), input_(checked_exr(path)) {}
 
   Btf read() {
     const Imf::Header& first = input_.header(0);
@@ -360,7 +360,7 @@ Btf load_factorised_btf(const std::string& path) {
 
 bool is_factorised_btf(const std::string& path) {
   try {
-    Imf::MultiPartInputFile input(path.c_str());
+    Imf::MultiPartInputFile input(checked_exr(path));
     return text_attribute(input.header(0), kVersionName).has_value();
   } catch (const std::exception&) {
     return false;

@@ -23,6 +23,13 @@ class GltfBadInput : public test::GltfFixture {
   test::Json valid_root_;
 };
 
+TEST_F(GltfBadInput, ADocumentOfTooManyNumbersIsRefusedUnread) {
+  std::string text = "{\"asset\":{\"version\":\"2.0\"},\"extras\":[1";
+  for (int i = 0; i < 20'000'001; ++i) text += ",1";
+  text += "]}";
+  expect_error(write("many.gltf", {text.begin(), text.end()}), "20 million values");
+}
+
 TEST_F(GltfBadInput, FilesThatAreNoScenes) {
   expect_error(path("missing.glb"), "missing.glb");
   expect_error(write("empty.glb", {}), "is not a glTF file");

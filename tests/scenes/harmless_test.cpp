@@ -70,11 +70,23 @@ TEST(FileNames, OfDifferentNamesDiffer) {
       const std::string file = name_of(a);
       EXPECT_TRUE(!file.empty() && file.size() < 200 && file.front() != '.') << file;
       EXPECT_EQ(file.find('/'), std::string::npos);
-      for (const std::string& b : names)
-        EXPECT_EQ(file == name_of(b), a == b) << a << " and " << b;
+      for (const std::string& b : names) EXPECT_EQ(file == name_of(b), a == b) << a << " and " << b;
     }
   EXPECT_EQ(file_name_of("driver-2"), "driver-2");
   EXPECT_EQ(readable_file_name("evening, rot 塗"), "evening, rot 塗");
+}
+
+TEST(Harmless, AnyNameComesBackFromUtf8) {
+  std::mt19937 random(7);
+  for (int i = 0; i < 2000; ++i) {
+    std::string name(random() % 12, ' ');
+    for (char& c : name) c = static_cast<char>(random() % 3 == 0 ? 0xc0u + random() % 64u : random() % 256u);
+    if (i % 7 == 0) name += "caf\xc3\xa9 \xf4\x8f";
+    const std::string text = as_utf8(name);
+    EXPECT_EQ(from_utf8(text), name);
+    EXPECT_NO_THROW(nlohmann::json(text).dump()) << harmless(name);
+  }
+  EXPECT_EQ(as_utf8("caf\xc3\xa9"), "caf\xc3\xa9");
 }
 
 TEST(JsonFault, HasNoNumberOfTheLibraryAndNoPayload) {

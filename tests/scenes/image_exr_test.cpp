@@ -149,6 +149,23 @@ TEST_F(ImageExr, APictureIsItsDisplayWindow) {
   }
 }
 
+// OpenEXR reserves the memory that an attribute asks for before it reads it.
+TEST_F(ImageExr, AnAttributeIsNoLongerThanTheFile) {
+  save_exr(path("a.exr"), Image(4, 4, 3, 0.5f), {{"maquette.note", "hello"}});
+  std::string bytes = read(path("a.exr"));
+  const std::size_t at = bytes.find("maquette.note");
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t size = at + std::string("maquette.note").size() + 1 + std::string("string").size() + 1;
+  ASSERT_EQ(bytes[size], 5);
+  EXPECT_NO_THROW(load_hdr_image(path("a.exr")));
+  for (const char* length : {"\xff\xff\xff\x7f", "\xff\xff\xff\xff", "\x00\x00\x00\x40"}) {
+    bytes.replace(size, 4, length, 4);
+    const std::string file = write("b.exr", bytes);
+    const std::string said = test::message_of<Error>([&] { load_hdr_image(file); });
+    EXPECT_NE(said.find("longer than the file"), std::string::npos) << said;
+  }
+}
+
 TEST_F(ImageExr, TheDisplayWindowMayBeginAnywhere) {
   display_ = {{-4, 10}, {3, 13}};
   data_ = {{-2, 9}, {3, 11}};

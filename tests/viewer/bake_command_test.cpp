@@ -8,6 +8,7 @@
 
 #include "scenes/bake_file.h"
 #include "test_paths.h"
+#include "tests/support/test_scenes.h"
 #include "tests/viewer/run_program.h"
 
 namespace maquette {
@@ -49,6 +50,44 @@ TEST(BakeCommand, LightIsBakedAsTheRenderHasIt) {
   // The folder inside is taken as well.
   result = render(folder, {"--env-rotation", "30", "--env-scale", "2", "--set", "slf.bake=" + at + "/sphere-slf"});
   EXPECT_EQ(result.exit_code, 0) << result.error;
+}
+
+TEST(BakeCommand, TheFolderKnowsItsSettings) {
+  const TemporaryFolder folder;
+  const std::string at = folder.file("baked");
+  ASSERT_EQ(bake({"-o", at}).exit_code, 0);
+  const auto draw = [&](const Words& more) {
+    Words words = {"render", "builtin:sphere",
+                   "--mode", "slf",
+                   "--size", "16x12",
+                   "--env",  "builtin:studio",
+                   "-o",     folder.file("b.exr"),
+                   "--set",  "ground.kind=none",
+                   "--set",  "slf.bake=" + at};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_maquette(words);
+  };
+  const ProgramResult plain = draw({}), same = draw({"--set", "slf.directions=4"}),
+                      other = draw({"--set", "slf.texels=64"});
+  EXPECT_EQ(plain.exit_code, 0) << plain.error;
+  EXPECT_EQ(same.exit_code, 0) << same.error;
+  EXPECT_EQ(other.exit_code, 1) << "both are given, and differ";
+  // The same command without the settings resumes.
+  const ProgramResult again = run_maquette({"bake", "slf", "builtin:sphere", "--env", "builtin:studio", "-o", at});
+  EXPECT_EQ(again.exit_code, 0) << again.error;
+  // Of transfer too.
+  Scene floor;
+  floor.materials = {test::matte(glm::vec3(0.5f))};
+  test::add(&floor, test::make_grid({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 2, 0), "floor");
+  save_glb(folder.file("floor.glb"), floor);
+  const std::string transfer = folder.file("transfer");
+  const ProgramResult made = run_maquette(
+      {"bake", "prt", folder.file("floor.glb"), "--set", "prt.rays=2", "--set", "prt.faces=4", "-o", transfer});
+  ASSERT_EQ(made.exit_code, 0) << made.error;
+  const ProgramResult shown =
+      run_maquette({"render", folder.file("floor.glb"), "--mode", "prt", "--size", "16x12", "-o", folder.file("c.exr"),
+                    "--set", "ground.kind=none", "--set", "prt.bake=" + transfer});
+  EXPECT_EQ(shown.exit_code, 0) << shown.error;
 }
 
 TEST(BakeCommand, LightOfOtherMaterialsNeedsAFolder) {

@@ -112,6 +112,17 @@ TEST(MeasureCommand, TheWorstWedgeIsTheOneWithTheLargestGhost) {
   EXPECT_EQ(json.at("worst").at("ghost_angle_arcmin").get<double>(), ghost(1));
 }
 
+// Turned flat, the pane lies below the eye, which then looks at its outer face.
+TEST(MeasureCommand, AStepThatTheEyeDoesNotLookThroughIsNotTheWorst) {
+  const TemporaryFolder folder;
+  const Json json = measured(folder, {"--sweep", "rake=60,84"});
+  const Json& eyes = json.at("eyes");
+  ASSERT_TRUE(eyes.at(0).at("looks_through_pane").get<bool>());
+  ASSERT_FALSE(eyes.at(1).at("looks_through_pane").get<bool>()) << eyes.at(1).dump();
+  EXPECT_EQ(json.at("worst").at("step").at("rake").get<double>(), 60.0);
+  EXPECT_NEAR(eyes.at(1).at("light_on_glass").at("rake_deg").get<double>(), 84.0, 0.5);
+}
+
 // The order that is known from measurements: a flatter windshield and a brighter dashboard veil more.
 TEST(MeasureCommand, TheVeilGrowsWithRakeAndWithTheDashboard) {
   const TemporaryFolder folder;

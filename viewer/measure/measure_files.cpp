@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "review/json_text.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/suggest.h"
@@ -89,7 +90,7 @@ Json probe_json(const ProbeValues& p) {
 }
 
 Json eye_json(const EyeValues& e) {
-  Json json = {{"eye", e.eye}, {"position_m", point_json(e.position)}};
+  Json json = {{"eye", e.eye}, {"position_m", point_json(e.position)}, {"looks_through_pane", e.looks_through}};
   for (const auto& [name, value] : e.step) json["step"][name] = number(value);
   if (e.sun)
     json["sun"] = {{"elevation_deg", number(e.sun->elevation_deg)}, {"azimuth_deg", number(e.sun->azimuth_deg)}};
@@ -140,8 +141,8 @@ std::string line_begin(const char* kind, const EyeValues& e) {
 
 std::string region_line(const EyeValues& e, const RegionValues& r) {
   std::string line = line_begin("region", e);
-  line +=
-      "," + quoted(r.name) + "," + std::to_string(r.pane_pixels) + "," + cell(e.light ? e.light->illuminance_lx : NAN);
+  line += "," + quoted(r.name) + "," + std::to_string(r.pane_pixels) + (e.looks_through ? ",1," : ",0,") +
+          cell(e.light ? e.light->illuminance_lx : NAN);
   add_statistics(r.reflected, true, &line);
   add_statistics(r.transmitted, true, &line);
   add_statistics(r.sum, true, &line);
@@ -186,7 +187,7 @@ std::string measurement_json(const Measurement& m) {
       json["worst"]["ghost_angle_arcmin"] = number(ghost->mean);
     for (const auto& [name, value] : m.eyes[m.worst].step) json["worst"]["step"][name] = number(value);
   }
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 std::string measurement_csv(const Measurement& m) {
@@ -194,9 +195,10 @@ std::string measurement_csv(const Measurement& m) {
   for (const auto& [name, value] : m.assumptions) text += "# " + name + ": " + value + "\n";
   for (const std::string& line : m.not_modelled) text += "# not modelled: " + line + "\n";
   for (const auto& [name, value] : m.eyes.front().step) steps += "," + name;
-  text += "kind,eye" + steps + ",region,pane_pixels,lux_on_glass" + statistics_names("reflected_cdm2", true) +
-          statistics_names("transmitted_cdm2", true) + statistics_names("sum_cdm2", true) +
-          statistics_names("incidence_deg", false) + statistics_names("pane_reflectance", false) +
+  text += "kind,eye" + steps + ",region,pane_pixels,looks_through_pane,lux_on_glass" +
+          statistics_names("reflected_cdm2", true) + statistics_names("transmitted_cdm2", true) +
+          statistics_names("sum_cdm2", true) + statistics_names("incidence_deg", false) +
+          statistics_names("pane_reflectance", false) +
           ",contrast_kept_mean,veil_per_lux_cdm2,flat_estimate_cdm2,ghost_arcmin_mean,ghost_arcmin_max";
   if (m.eyes.front().regions.front().traced)
     text +=
@@ -222,7 +224,10 @@ std::string measurement_text(const Measurement& m) {
     const EyeValues& e = m.eyes[i];
     std::string where = e.eye;
     for (const auto& [name, value] : e.step) where += ", " + name + " " + cell(value);
-    if (m.eyes.size() > 1 && i == m.worst) where += " (the worst)";
+    if (!e.looks_through)
+      where += " (does not look through the pane)";
+    else if (m.eyes.size() > 1 && i == m.worst)
+      where += " (the worst)";
     text += where + "\n";
     if (e.light) {
       std::snprintf(line, sizeof line, "  light on the glass %.0f lx, %.0f %% of it passes; rake %.1f deg\n",

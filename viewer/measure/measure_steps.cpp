@@ -141,7 +141,10 @@ class Steps {
     const bool same = s.scene == scene_ && s.environment == environment_;
     s.paths = same ? first_paths_ : trace_scene(*s.scene, s.environment);
     const float rotation = radians(s.options.env_rotation_deg);
-    const auto light = light_on_pane(*s.paths, *s.environment, rotation, 1.0f, pane_, inside_);
+    auto light = light_on_pane(*s.paths, *s.environment, rotation, 1.0f, pane_, inside_);
+    // Turned past the eye: outside is where it was.
+    if (light && plain_ && glm::dot(light->normal, plain_->normal) < 0.0)
+      light = light_on_pane(*s.paths, *s.environment, rotation, 1.0f, pane_, light->middle - plain_->normal);
     if (s.measure.night) {
       s.options.env_scale = 0.0f;
     } else if (s.measure.lux_on_glass) {
@@ -301,7 +304,7 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
       const bool shown = !options.layers.empty() && done == all.size() * eye_count;
       LayerPictures pictures = source ? source->draw(s.scene, s.environment, own, shown || shows_ghost(own))
                                       : traced_pictures(s, context, own, rays, sights, options, shown);
-      EyeValues values{eye.name, glm::dvec3(eye.view.eye), step, s.light, s.sun, {}, {}};
+      EyeValues values{eye.name, glm::dvec3(eye.view.eye), step, true, s.light, s.sun, {}, {}};
       for (const PictureRegion& region : regions) {
         values.regions.push_back(region_values(context, region, pictures, sights));
         if (options.paths > 0)
@@ -310,12 +313,17 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
       }
       for (const glm::ivec2& pixel : options.probes)
         values.probes.push_back(probe_values(context, pixel, pictures, sights));
+      const bool behind = !s.light || glm::dot(glm::dvec3(eye.view.eye) - s.light->middle, s.light->normal) < 0.0;
+      values.looks_through = behind && values.regions.front().pane_pixels > 0;
       result.eyes.push_back(std::move(values));
       if (last) *last = {std::move(pictures), sights, own};
     }
   }
-  for (std::size_t i = 0; i < result.eyes.size(); ++i)
-    if (worse(result.eyes[i].regions.front(), result.eyes[result.worst].regions.front())) result.worst = i;
+  for (std::size_t i = 0; i < result.eyes.size(); ++i) {
+    const EyeValues &eye = result.eyes[i], &worst = result.eyes[result.worst];
+    if (eye.looks_through && (!worst.looks_through || worse(eye.regions.front(), worst.regions.front())))
+      result.worst = i;
+  }
   add_assumptions(scene_options, options, *scene, steps.pane(), steps.has_dash() ? steps.dash_name() : "", &result);
   return result;
 }

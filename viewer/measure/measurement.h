@@ -52,6 +52,9 @@ struct EyeValues {
   std::string eye;  ///< `camera`, `V1`, `left`, `row 1, column 2`, ...
   glm::dvec3 position{0.0};
   std::vector<std::pair<std::string, double>> step;  ///< of the sweeps
+  /// The first region shows the pane, and the eye is behind it: a sweep of rake may turn it past the eye, whose figures
+  /// are then those of another sight.
+  bool looks_through = true;
   std::optional<PaneLight> light;
   std::optional<SunPlace> sun;
   std::vector<RegionValues> regions;
@@ -62,7 +65,8 @@ struct Measurement {
   std::vector<EyeValues> eyes;
   std::vector<std::pair<std::string, std::string>> assumptions;
   std::vector<std::string> not_modelled;
-  /// Index in `eyes` of the largest mean veil of the first region; of equal ones, of the largest mean ghost angle.
+  /// Index in `eyes` of the largest mean veil of the first region, of those that look through the pane; of equal ones,
+  /// of the largest mean ghost angle.
   std::size_t worst = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "review/json_text.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/json_fault.h"
@@ -109,7 +110,7 @@ Journal::Journal(const std::string& folder) : path_(folder + "/progress.json") {
   try {
     const std::vector<std::byte> bytes = read_file(path_);
     const auto* text = reinterpret_cast<const char*>(bytes.data());
-    const Json json = Json::parse(text, text + bytes.size());
+    const Json json = json_from_text<Json>({text, bytes.size()});
     if (json.at("format") != kFormat) throw Error(path_, "it is of another version of the program");
     for (const auto& [key, point] : json.at("points").items()) points_[key] = point_from_json(point);
     for (const auto& [key, entry] : json.at("references").items()) references_[key] = reference_from_json(entry);
@@ -147,7 +148,7 @@ void Journal::save() const {
   Json json = {{"format", kFormat}, {"references", Json::object()}, {"points", Json::object()}};
   for (const auto& [key, entry] : references_) json["references"][key] = reference_json(entry);
   for (const auto& [key, point] : points_) json["points"][key] = point_json(point);
-  write_text(path_, json.dump(1) + "\n");
+  write_text(path_, json_text(json, 1) + "\n");
 }
 
 }  // namespace maquette::report

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "review/json_text.h"
 #include "viewer/json_values.h"
 #include "viewer/report/figures.h"
 #include "viewer/report/journal.h"
@@ -95,7 +96,7 @@ std::string report_json_text(const Report& report) {
   for (const LeftOutEntry& entry : report.left_out)
     json["left_out"].push_back({{"technique", entry.technique}, {"what", entry.what}, {"why", entry.why}});
   json["not_measured"] = report.skipped;
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 std::string report_csv_text(const Report& report) {

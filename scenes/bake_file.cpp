@@ -110,6 +110,12 @@ std::string text_attribute(const Imf::Header& header, const std::string& name) {
   return attribute ? attribute->value() : std::string();
 }
 
+std::size_t channels_of(const Imf::Header& header) {
+  std::size_t count = 0;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) ++count;
+  return count;
+}
+
 BakeTable read_part(const std::string& path, Imf::MultiPartInputFile& input, int index) {
   Imf::InputPart part(input, index);
   const Imf::Header& header = part.header();
@@ -120,7 +126,7 @@ BakeTable read_part(const std::string& path, Imf::MultiPartInputFile& input, int
   const std::string count_text = text_attribute(header, kCountName);
   const std::size_t count = std::strtoull(count_text.c_str(), nullptr, 10);
   if (window.min != Imath::V2i(0, 0) || window.max.x != static_cast<int>(kWidth) - 1 || rows > kMaxRows ||
-      count > rows * kWidth || count_text.empty())
+      count > rows * kWidth || count_text.empty() || !can_hold(path, channels_of(header) * rows * kWidth * 4))
     throw Error(path, "part '" + table.name + "' is no table of a bake", "bake it again");
   Imf::FrameBuffer buffer;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
 namespace maquette {
@@ -50,6 +51,13 @@ const char* checked_exr(const std::string& path) {
     file.seekg(length, std::ios::cur);
   }
   return path.c_str();
+}
+
+bool can_hold(const std::string& path, std::uintmax_t bytes) {
+  constexpr std::uintmax_t kMostCompression = 1040;
+  std::error_code code;
+  const std::uintmax_t size = std::filesystem::file_size(path, code);
+  return !code && bytes / kMostCompression <= size;
 }
 
 }  // namespace maquette

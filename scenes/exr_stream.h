@@ -27,4 +27,8 @@ class ExrStream final : public Imf::OStream {
 /// before it reads. What is no EXR file is left to OpenEXR. Throws std::runtime_error. Source: "OpenEXR File Layout".
 const char* checked_exr(const std::string& path);
 
+/// Whether a file compressed by zlib can hold so many bytes of values: memory is not reserved for more. Source: zlib's
+/// technical details, "a limit of about 1030:1".
+bool can_hold(const std::string& path, std::uintmax_t bytes);
+
 }  // namespace maquette

@@ -245,6 +245,7 @@ class Reader {
     const std::size_t factors = static_cast<std::size_t>(btf.width) * static_cast<std::size_t>(btf.height) * 3 *
                                 (1 + static_cast<std::size_t>(btf.components)) * views;
     if (factors > kMostFactors) throw damaged(path_, "it has more than 2^33 factors");
+    if (!can_hold(path_, factors * sizeof(std::uint16_t))) throw damaged(path_, "it is too small for its factors");
     if (input_.parts() != static_cast<int>(views) + 2)
       throw damaged(path_, std::to_string(views) + " views do not have " + std::to_string(input_.parts()) + " parts");
     for (int i = 0; i < input_.parts(); ++i)
@@ -274,6 +275,8 @@ class Reader {
     read_table(static_cast<int>(count), "views", &views);
     const Imath::Box2i window = input_.header(static_cast<int>(count) + 1).dataWindow();
     const auto most = static_cast<std::size_t>(std::clamp(window.max.x + 1, 1, static_cast<int>(kMostBtfLights)));
+    if (!can_hold(path_, count * most * (3 + components) * sizeof(float)))
+      throw damaged(path_, "it is too small for its lights");
     FloatTable lights = empty_lights(count, most, components);
     read_table(static_cast<int>(count) + 1, "lights", &lights);
     std::map<std::vector<float>, std::shared_ptr<const DirectionMesh>> meshes;  // views often share theirs

@@ -289,8 +289,8 @@ TEST_F(Mutations, NoneCrashesHangsOrSteersTheTerminal) {
   ASSERT_GT(targets_.size(), 12u);
   std::map<std::string, std::pair<int, int>> read;  // kinds: all, and those that were refused
   for (int i = 0; i < rounds && !HasFailure(); ++i) {
-    const std::vector<Target>& from = i % 25 == 24 ? resumed_ : targets_;
-    const Target& target = from[static_cast<std::size_t>(i % 25 == 24 ? i / 25 : i) % from.size()];
+    const std::vector<Target>& from = i % 100 == 99 ? resumed_ : targets_;
+    const Target& target = from[static_cast<std::size_t>(i % 100 == 99 ? i / 100 : i) % from.size()];
     const Outcome outcome = read_damaged(target, seed + static_cast<std::uint32_t>(i));
     auto& [all, refused] = read[fs::path(target.file).filename().string()];
     ++all;

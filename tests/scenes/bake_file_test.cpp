@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
 
 #include "scenes/error.h"
+#include "scenes/exr_stream.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace maquette {
@@ -37,6 +39,24 @@ TEST_F(BakeFileTest, RoundTrips) {
   EXPECT_EQ(loaded.floats(file_path, "sums", "area"), file.tables[1].floats.at("area"));
   EXPECT_THROW(loaded.floats(file_path, "sums", "mass"), Error);
   EXPECT_THROW(loaded.table(file_path, "weights"), Error);
+}
+
+/// A header asks for no more memory than the file can hold.
+TEST_F(BakeFileTest, ATableIsNoLargerThanItsFile) {
+  BakeFile bake;
+  bake.tables.push_back({"rows", {{"a", std::vector<std::uint32_t>(100, 7u)}}, {}});
+  save_bake_file(path("a.exr"), bake);
+  EXPECT_FALSE(can_hold(path("a.exr"), std::uintmax_t{1} << 31));
+  EXPECT_TRUE(can_hold(path("a.exr"), 16 * 4096));
+  std::string bytes = read(path("a.exr"));
+  std::size_t changed = 0;
+  for (std::size_t at = 0; (at = bytes.find("Window\0box2i\0", at, 13)) != std::string::npos; ++at, ++changed) {
+    const std::int32_t last_row = (1 << 17) - 1;
+    std::memcpy(bytes.data() + at + 13 + 4 + 12, &last_row, sizeof last_row);
+  }
+  ASSERT_EQ(changed, 2u);
+  write("b.exr", bytes);
+  EXPECT_THROW(load_bake_file(path("b.exr")), Error);
 }
 
 TEST_F(BakeFileTest, NamesWhatIsDamaged) {

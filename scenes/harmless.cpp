@@ -7,28 +7,6 @@ namespace maquette {
 
 namespace {
 
-/// Code and length of the character that begins at a byte; length 0: it is no UTF-8. Source: RFC 3629, Sec. 4.
-struct Character {
-  std::uint32_t code = 0;
-  std::size_t bytes = 0;
-};
-
-Character character_at(const std::string& text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const std::uint32_t first = byte(at);
-  if (first < 0x80u) return {first, 1};
-  const std::size_t bytes = first >= 0xf0u ? 4 : first >= 0xe0u ? 3 : 2;
-  if (first < 0xc2u || first > 0xf4u) return {};
-  std::uint32_t code = first & (0x7fu >> bytes);
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if ((byte(at + i) & 0xc0u) != 0x80u) return {};
-    code = code << 6u | (byte(at + i) & 0x3fu);
-  }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80u, 0x800u, 0x10000u};
-  if (code < kLeast[bytes] || code > 0x10ffffu || (code >= 0xd800u && code < 0xe000u)) return {};
-  return {code, bytes};
-}
-
 /// Source: Unicode 15, Sec. 23.1 and 23.2: control codes, line and paragraph separators, bidirectional controls; the
 /// byte order mark.
 bool steers(std::uint32_t c) {
@@ -54,10 +32,26 @@ std::string code_escape(std::uint32_t code) {
 
 }  // namespace
 
+Utf8Character utf8_character(const std::string& text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const std::uint32_t first = byte(at);
+  if (first < 0x80u) return {first, 1};
+  const std::size_t bytes = first >= 0xf0u ? 4 : first >= 0xe0u ? 3 : 2;
+  if (first < 0xc2u || first > 0xf4u) return {};
+  std::uint32_t code = first & (0x7fu >> bytes);
+  for (std::size_t i = 1; i < bytes; ++i) {
+    if ((byte(at + i) & 0xc0u) != 0x80u) return {};
+    code = code << 6u | (byte(at + i) & 0x3fu);
+  }
+  constexpr std::uint32_t kLeast[] = {0, 0, 0x80u, 0x800u, 0x10000u};
+  if (code < kLeast[bytes] || code > 0x10ffffu || (code >= 0xd800u && code < 0xe000u)) return {};
+  return {code, bytes};
+}
+
 std::string harmless(const std::string& text, bool lines) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
-    const Character c = character_at(text, at);
+    const Utf8Character c = utf8_character(text, at);
     if (c.bytes == 0)
       out += byte_escape(static_cast<unsigned char>(text[at]));
     else if (steers(c.code) && !(lines && (c.code == '\n' || c.code == '\t')))
@@ -72,7 +66,7 @@ std::string harmless(const std::string& text, bool lines) {
 std::string harmless_json(const std::string& document) {
   std::string out;
   for (std::size_t at = 0; at < document.size();) {
-    const Character c = character_at(document, at);
+    const Utf8Character c = utf8_character(document, at);
     if (c.bytes == 0)
       out += "\\ufffd";
     else if (c.code >= 0x7fu && steers(c.code))
@@ -87,7 +81,7 @@ std::string harmless_json(const std::string& document) {
 std::string as_utf8(const std::string& name) {
   std::string out;
   for (std::size_t at = 0; at < name.size();) {
-    const Character c = character_at(name, at);
+    const Utf8Character c = utf8_character(name, at);
     if (c.bytes == 0) {
       const unsigned byte = static_cast<unsigned char>(name[at]);
       out += kPrivate;
@@ -104,7 +98,7 @@ std::string as_utf8(const std::string& name) {
 std::string from_utf8(const std::string& text) {
   std::string out = text;
   for (std::size_t at = 0; (at = out.find(kPrivate, at)) != std::string::npos; ++at) {
-    const Character c = character_at(out, at);
+    const Utf8Character c = utf8_character(out, at);
     if (c.code >= kPrivateCode) out.replace(at, c.bytes, 1, static_cast<char>(c.code & 255u));
   }
   return out;

@@ -1,8 +1,17 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace maquette {
+
+/// Code and length of a character; length 0: the byte is no UTF-8.
+struct Utf8Character {
+  std::uint32_t code = 0;
+  std::size_t bytes = 0;
+};
+/// That which begins at a byte. Source: RFC 3629, Sec. 4.
+Utf8Character utf8_character(const std::string& text, std::size_t at);
 
 /// Text for a terminal. Names come from files: what would steer the terminal or hide what follows is written as an
 /// escape: control characters (`\x1b`; with `lines` newlines and tabs stay), characters that turn the direction of

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 
 #include "ui/editor_state.h"
@@ -40,8 +41,9 @@ void assign_source(EditorState* state, const Material& material, const std::stri
 void isolate(EditorState* state, const EditorFacts& facts, int kept);
 
 /// Font and colours. `scale`: the display's content scale; `pixels_per_unit`: framebuffer pixels a window coordinate.
-/// Call once after ImGui::CreateContext, and again (before a frame) when one of them changes.
-void apply_theme(float scale, float pixels_per_unit = 1.0f);
+/// `further`: characters beyond Latin, Greek, Cyrillic and Vietnamese that the font is to have (Glyphs); those that no
+/// font here has come back. Call once after ImGui::CreateContext, and again (before a frame) when one of them changes.
+std::set<char16_t> apply_theme(float scale, float pixels_per_unit = 1.0f, const std::set<char16_t>& further = {});
 
 /// Draws all panels of one frame between ImGui::NewFrame and ImGui::Render. Needs no OpenGL.
 EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActions* actions);

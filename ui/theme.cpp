@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <set>
 #include <string>
+#include <vector>
 
+#include "ui/editor.h"
 #include "ui/widgets.h"
 
 namespace maquette {
@@ -22,25 +26,64 @@ const char* const kFontFiles[] = {
     "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
 };
 
-// Latin, punctuation, arrows, geometric shapes, marks.
-const ImWchar kGlyphRanges[] = {0x0020, 0x024f, 0x0370, 0x03ff, 0x2010, 0x2044, 0x2070, 0x209c, 0x2190, 0x2200,
-                                0x2212, 0x2265, 0x25a0, 0x25ff, 0x2600, 0x26a1, 0x2713, 0x2717, 0};
+/// For what that one lacks: Chinese, Japanese, Korean. Debian's fonts-noto-cjk has all; fonts-droid-fallback
+/// and fonts-nanum (Korean) are small.
+const char* const kFurtherFontFiles[] = {
+    "/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
+    "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
+    "/usr/share/fonts/truetype/nanum/NanumGothic.ttf",
+    "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",
+    "/usr/share/fonts/noto-cjk/NotoSansCJK-Regular.ttc",
+};
 
-void load_font(float scale) {
+// Latin, Greek, Cyrillic, Vietnamese, punctuation, arrows, geometric shapes, marks.
+const ImWchar kGlyphRanges[] = {0x0020, 0x024f, 0x0370, 0x052f, 0x1e00, 0x1eff, 0x2010, 0x2044,
+                                0x2070, 0x209c, 0x20ab, 0x20ac, 0x2190, 0x2200, 0x2212, 0x2265,
+                                0x25a0, 0x25ff, 0x2600, 0x26a1, 0x2713, 0x2717, 0};
+
+/// kGlyphRanges and further characters one by one; ImGui reads it until the atlas is built.
+const std::vector<ImWchar>& ranges_with(const std::set<char16_t>& further) {
+  static std::vector<ImWchar> ranges;
+  ranges.assign(std::begin(kGlyphRanges), std::end(kGlyphRanges) - 1);
+  for (const char16_t c : further) ranges.insert(ranges.end(), 2, c);
+  ranges.push_back(0);
+  return ranges;
+}
+
+/// With as many of the files as `further` needs; those of it that none of them has.
+std::set<char16_t> load_font(float scale, const std::set<char16_t>& further) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
-  atlas.Clear();
-  ImFontConfig config;
-  config.OversampleH = 2;
-  config.OversampleV = 1;
-  config.PixelSnapH = true;
-  const float size = std::round(kFontSize * scale);
-  for (const char* file : kFontFiles) {
+  const auto is_there = [](const char* file) {
     std::error_code error;
-    if (!std::filesystem::exists(file, error)) continue;
-    if (atlas.AddFontFromFileTTF(file, size, &config, kGlyphRanges)) return;
+    return std::filesystem::exists(file, error);
+  };
+  std::vector<const char*> files;
+  for (const char* file : kFontFiles)
+    if (files.empty() && is_there(file)) files.push_back(file);
+  const std::vector<ImWchar>& ranges = ranges_with(further);
+  std::set<char16_t> missing;
+  for (auto next = std::begin(kFurtherFontFiles);; ++next) {
+    atlas.Clear();
+    ImFontConfig config;
+    config.OversampleH = 2;
+    config.OversampleV = 1;
+    config.PixelSnapH = true;
+    config.SizePixels = std::round(kFontSize * scale);
+    for (const char* file : files) {
+      config.MergeMode = !atlas.Fonts.empty();
+      atlas.AddFontFromFileTTF(file, config.SizePixels, &config, ranges.data());
+    }
+    config.MergeMode = false;
+    if (atlas.Fonts.empty()) atlas.AddFontDefault(&config);
+    if (further.empty()) return {};
+    atlas.Build();
+    missing.clear();
+    for (const char16_t c : further)
+      if (!atlas.Fonts[0]->FindGlyphNoFallback(c)) missing.insert(c);
+    next = std::find_if(next, std::end(kFurtherFontFiles), is_there);
+    if (missing.empty() || next == std::end(kFurtherFontFiles)) return missing;
+    files.push_back(*next);
   }
-  config.SizePixels = size;
-  atlas.AddFontDefault(&config);
 }
 
 ImVec4 gray(float value, float blue = 0.006f, float alpha = 1.0f) { return {value, value, value + blue, alpha}; }
@@ -88,13 +131,13 @@ void set_colors(ImGuiStyle* style) {
 
 }  // namespace
 
-void apply_theme(float scale, float pixels_per_unit) {
+std::set<char16_t> apply_theme(float scale, float pixels_per_unit, const std::set<char16_t>& further) {
   scale = std::clamp(scale, 0.5f, 6.0f);
   pixels_per_unit = std::clamp(pixels_per_unit, 0.5f, 6.0f);
   ImGui::GetIO().IniFilename = nullptr;  // the layout is fixed, nothing to remember
   ImGui::GetIO().ConfigWindowsMoveFromTitleBarOnly = true;
   ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
-  load_font(scale);
+  std::set<char16_t> missing = load_font(scale, further);
   ImGui::GetIO().FontGlobalScale = 1.0f / pixels_per_unit;
   ImGuiStyle style;
   set_colors(&style);
@@ -119,6 +162,7 @@ void apply_theme(float scale, float pixels_per_unit) {
   style.PopupBorderSize = 1.0f;
   style.WindowMinSize = {1.0f, 1.0f};
   ImGui::GetStyle() = style;
+  return missing;
 }
 
 }  // namespace maquette

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +19,7 @@
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "ui/editor.h"
+#include "ui/glyphs.h"
 #include "ui/shortcuts.h"
 #include "viewer/bake_clock.h"
 #include "viewer/swatches.h"
@@ -103,6 +106,9 @@ class App {
     host_.set_text_scale(state.text_scale);
     host_.begin_frame(input);
     collect_facts();
+    glyphs_.note(state, facts_);
+    host_.set_glyphs(glyphs_.all());
+    say_missing_glyphs();
     EditorActions actions;
     editor_ = draw_editor(&session_.state, facts_, &actions);
     if (input.typing)
@@ -185,6 +191,19 @@ class App {
     if (panels_alone) return draw_note("The first picture is being prepared", rect);
     picture_.blit(x, height - y - h);
     if (drawn_frames_ > 1) swatches_.update(session_.drawn_sources());
+  }
+
+  /// Once for each set of them.
+  void say_missing_glyphs() {
+    const std::set<char16_t>& missing = host_.missing_glyphs();
+    if (missing.size() <= said_missing_) return;
+    said_missing_ = missing.size();
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "%zu characters of names are shown as ?, the first is U+%04X: install a font that has them, such as "
+                  "Debian's fonts-noto-cjk",
+                  missing.size(), static_cast<unsigned>(*missing.begin()));
+    session_.add_message(MessageLevel::note, text);
   }
 
   /// What bakes say of themselves, as long as they do.
@@ -433,6 +452,8 @@ class App {
   GLFWwindow* window_;
   Inbox* inbox_;
   ImGuiHost host_;
+  Glyphs glyphs_;
+  std::size_t said_missing_ = 0;
   WindowSession session_;
   WindowPicture picture_;
   WindowMeter meter_;

@@ -238,11 +238,12 @@ bool ImGuiHost::refresh_scale() {
   const float ratio =
       window_width > 0 && width > 0 ? static_cast<float>(width) / static_cast<float>(window_width) : 1.0f;
   scale = fitting_scale(scale * text_scale_, static_cast<float>(width), static_cast<float>(height));
-  if (scale == scale_ && ratio == ratio_) return false;
+  if (scale == scale_ && ratio == ratio_ && glyphs_ == wanted_glyphs_) return false;
   const bool first = scale_ == 0.0f;
   scale_ = scale;
   ratio_ = ratio;
-  apply_theme(scale, ratio);
+  glyphs_ = wanted_glyphs_;
+  missing_glyphs_ = apply_theme(scale, ratio, glyphs_);
   return !first;
 }
 

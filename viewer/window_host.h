@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include <set>
 #include <vector>
 
 #include "viewer/window_events.h"
@@ -42,6 +43,10 @@ class ImGuiHost {
   void begin_frame(const InputBatch& input);
   /// Of the text, beside that of the display; from the next frame on.
   void set_text_scale(float scale) { text_scale_ = scale; }
+  /// Characters of names (Glyphs); from the next frame on.
+  void set_glyphs(const std::set<char16_t>& glyphs) { wanted_glyphs_ = glyphs; }
+  /// Those of them that no font here has.
+  const std::set<char16_t>& missing_glyphs() const { return missing_glyphs_; }
   void end_frame();
 
  private:
@@ -51,6 +56,7 @@ class ImGuiHost {
 
   GLFWwindow* window_;
   float text_scale_ = 1.0f, scale_ = 0.0f, ratio_ = 0.0f;
+  std::set<char16_t> glyphs_, wanted_glyphs_, missing_glyphs_;
   ImVec2 mouse_{-1.0f, -1.0f};
   bool down_[3] = {false, false, false};
   bool ctrl_ = false, shift_ = false;

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "scenes/modelling.h"
+#include "tests/scenes/temporary_folder.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
@@ -82,6 +83,21 @@ TEST(SubjectBounds, ARoomAndALandscapeCount) {
   Scene trees = bodies(6);  // as many are far as near
   for (int i = 0; i < 6; ++i) test::add(&trees, triangle({300.0f + 10.0f * static_cast<float>(i), 0.0f, 0.0f}, 1.0f));
   expect_same(subject_bounds(trees), compute_bounds(trees), "trees");
+}
+
+class FarScenes : public test::TemporaryFolder {};
+
+TEST_F(FarScenes, AreSaidToBe) {
+  for (const auto& [distance_m, far] : {std::pair(0.0f, false), {500.0f, false}, {65000.0f, true}}) {
+    Scene scene;
+    scene.materials = {test::matte(glm::vec3(0.5f))};
+    test::add(&scene, test::make_grid({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 4, 0));
+    scene.nodes[0].local[3] = {distance_m, 0.0f, 0.0f, 1.0f};
+    save_glb(path("a.glb"), scene);
+    std::string all;
+    for (const std::string& warning : load_scene(path("a.glb")).warnings) all += warning + "\n";
+    EXPECT_EQ(all.find("km from the origin") != std::string::npos, far) << distance_m << ": " << all;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+
+#include "ui/editor_state.h"
+
+namespace maquette {
+
+/// Characters that occur in names (of a scene, a review, files, in messages), beyond those that the panels' own words
+/// have: fonts are made with those alone.
+class Glyphs {
+ public:
+  void note(const std::string& text);
+  void note(const EditorState& state, const EditorFacts& facts);
+  const std::set<char16_t>& all() const { return all_; }
+
+ private:
+  std::set<char16_t> all_;
+  const Scene* scene_ = nullptr;  ///< whose names are noted
+  std::size_t scene_names_ = 0;
+};
+
+}  // namespace maquette

@@ -154,10 +154,25 @@ Json review_document(const Review& review) {
   return document_json(kept, same);
 }
 
+namespace {
+
+/// What a review names is a file or a folder, after all links: no device and no pipe, which end late or never.
+void require_files(const Review& review, const std::string& where) {
+  for (const std::string& source : review_sources(review)) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(place_of(source), ignored);
+    if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
+      throw Error(where, "it names " + place_of(source) + ", which is neither a file nor a folder", "name another one");
+  }
+}
+
+}  // namespace
+
 Review review_from_document(const Json& document, const std::string& where) {
   JsonReader reader(document, where + ": ");
   Review review = read_document(&reader, same);
   reader.finish();
+  require_files(review, where);
   return review;
 }
 
@@ -186,6 +201,7 @@ Review parse_review(const std::string& text, const std::string& file, std::vecto
   if (reader.has("bakes"))  // reviews had none at first
     named = bakes_from_json(reader.list("bakes"), review, reader.where("bakes"));
   reader.finish();
+  require_files(review, file);
   if (bakes) *bakes = std::move(named);
   return review;
 }

@@ -142,7 +142,7 @@ std::vector<std::byte> read_file(const std::string& path, std::size_t max_bytes)
     return bytes;
   }
   // A pipe or device has no known size, a device no end.
-  constexpr std::size_t kMostOfAPipe = std::size_t{1} << 30;
+  constexpr std::size_t kMostOfAPipe = std::size_t{1} << 28;
   max_bytes = std::min(max_bytes, kMostOfAPipe);
   char chunk[65536];
   while (stream.read(chunk, sizeof chunk), stream.gcount() > 0) {

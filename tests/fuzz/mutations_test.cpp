@@ -37,7 +37,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMutationRounds = 600;  // where nothing else is asked for
+constexpr int kMutationRounds = 300;  // where nothing else is asked for
 constexpr int kLongest_s = 20;        // far above any of them
 constexpr long kMostMemory_kB = 2'000'000;
 constexpr int kMostLines = 3;

@@ -176,7 +176,7 @@ TEST_F(ShadowRays, AtRestTheDirectLightIsThePathTracers) {
     renderer_.set_scene(std::make_shared<Scene>(scene));
     renderer_.set_environment(sunny(1.0f));
     FrameRequest reference = request("reference");
-    reference.samples = 400;
+    reference.samples = 256;
     reference.settings.set("reference.bounces", 1);
     const Image expected = draw(reference);
     for (const char* mode : {"uniform", "bandwidth"}) {

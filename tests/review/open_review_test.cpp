@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -63,6 +64,23 @@ TEST_F(OpenReviews, KeepsUnsavedChangesAndTheHistory) {
   EXPECT_EQ(again.undo()->look.exposure_ev, 2.0f);
   EXPECT_EQ(again.undo()->look.exposure_ev, 1.0f);
   EXPECT_FALSE(again.undo());
+}
+
+TEST_F(OpenReviews, NamesNoDevicesAndPipes) {
+  std::filesystem::create_symlink("/dev/zero", path("zero.hdr"));
+  ASSERT_EQ(::mkfifo(path("pipe.exr").c_str(), 0600), 0);
+  for (const std::string& named : {path("zero.hdr"), path("pipe.exr"), std::string("/dev/zero")}) {
+    save(1.0f);
+    std::string text = read(file_);
+    const std::string before = "\"source\": \"";
+    std::size_t at = text.find(before, text.find("\"environment\""));
+    ASSERT_NE(at, std::string::npos);
+    at += before.size();
+    text.replace(at, text.find('"', at) - at, named);
+    write("a.maquette.json", text);
+    const std::string said = test::message_of<Error>([&] { load_review(file_); });
+    EXPECT_TRUE(contains(said, "neither a file nor a folder")) << said;
+  }
 }
 
 TEST_F(OpenReviews, TheHistorySurvivesSaving) {

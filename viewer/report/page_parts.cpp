@@ -249,6 +249,9 @@ none, 1 the largest; a single bright pixel counts little. <b>SSIM</b>: Wang et a
 <p>A <b>time</b> is that of one frame, the median of the repeats after a warm-up; bars show the smallest and largest. The grey steps are
 the <b>Pareto front</b>: no other point there is both faster and better. A dashed line is the reference's own noise: errors near it are
 not to be trusted. Times to an error are read between two points, log-log.</p>
+<p><b>Two runs</b> with the same seed draw the same pictures of a technique and count the same samples. They differ in their times, and in what
+follows from times: how many paths the references have got (their pictures, their noise, and the errors by as much as that noise), which
+points fit the budget, fronts and times to an error. A run that was stopped goes on with what it has measured.</p>
 )html";
 }
 

@@ -54,8 +54,9 @@ TEST_F(OddPaths, ReviewsKeepThem) {
 }
 
 TEST_F(OddPaths, CommandsTakeAndNameThem) {
-  const std::vector<std::string> small = {"--size", "32x18", "--samples", "2", "--mode", "splitsum", "--set",
-                                          "shading.visibility=none", "--set", "ground.kind=none"};
+  const std::vector<std::string> small = {"--size", "32x18",           "--samples", "2",
+                                          "--mode", "splitsum",        "--set",     "shading.visibility=none",
+                                          "--set",  "ground.kind=none"};
   const auto with = [&](std::vector<std::string> words) {
     words.insert(words.end(), small.begin(), small.end());
     return words;

@@ -24,7 +24,7 @@ struct Environment {
 Environment load_environment(const std::string& source);
 std::vector<std::string> builtin_environment_names();
 
-/// Of size and texels: the key of what is derived from it.
+/// Made of its size and texels: by this key what is derived from an environment is cached.
 std::uint64_t content_key(const Environment& environment);
 
 /// Unit direction of a point of the map; x in [0, width], y in [0, height], texel centres at half-integers.

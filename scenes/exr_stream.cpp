@@ -30,7 +30,7 @@ void ExrStream::close() {
 
 const char* checked_exr(const std::string& path) {
   constexpr char kMagic[] = {'\x76', '\x2f', '\x31', '\x01'};
-  constexpr unsigned char kMultiPart = 0x10;  // of the third byte of version and flags
+  constexpr unsigned char kMultiPart = 0x10;  // in the second byte of version and flags
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const std::streamoff bytes = file.tellg();
   file.seekg(0);

@@ -290,25 +290,6 @@ void canonicalise(Json* value) {
   }
 }
 
-void check_nesting(const std::string& path, std::string_view text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '{' || c == '[') {
-      if (++depth > kMaxNesting)
-        throw Error(path, "JSON is nested deeper than " + std::to_string(kMaxNesting), kInvalid);
-    } else if (c == '}' || c == ']') {
-      --depth;
-    }
-  }
-}
-
 /// Collects the extensions used anywhere, also undeclared ones; `extras` are skipped, because they belong to the
 /// author.
 void collect_extensions(const Json& value, std::set<std::string>* names) {
@@ -365,7 +346,8 @@ Json parse_numbers_of_any_size(std::string_view text) {
 }  // namespace
 
 Json parse_checked(const std::string& path, std::string_view text) {
-  check_nesting(path, text);
+  if (is_nested_deeper(text, kMaxNesting))
+    throw Error(path, "JSON is nested deeper than " + std::to_string(kMaxNesting), kInvalid);
   if (has_too_many_values(text))
     throw Error(path, "its JSON has more than 20 million values", "numbers belong into a buffer");
   Json root;

@@ -10,7 +10,7 @@ struct Utf8Character {
   std::uint32_t code = 0;
   std::size_t bytes = 0;
 };
-/// That which begins at a byte. Source: RFC 3629, Sec. 4.
+/// The character that begins at a byte. Source: RFC 3629, Sec. 4.
 Utf8Character utf8_character(const std::string& text, std::size_t at);
 
 /// Text for a terminal. Names come from files: what would steer the terminal or hide what follows is written as an
@@ -22,7 +22,7 @@ std::string harmless_json(const std::string& document);
 
 /// A name for documents that must be UTF-8: of bytes that are none each becomes the private character U+10FF00 + byte.
 std::string as_utf8(const std::string& name);
-/// The bytes again.
+/// The name that as_utf8 made such a text of.
 std::string from_utf8(const std::string& text);
 
 }  // namespace maquette

@@ -23,4 +23,24 @@ inline bool has_too_many_values(std::string_view text) {
   return std::count(text.begin(), text.end(), ',') > kMostValues;
 }
 
+/// Such a document ends the stack of what walks, copies or writes it.
+inline bool is_nested_deeper(std::string_view text, int most) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > most) return true;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return false;
+}
+
 }  // namespace maquette

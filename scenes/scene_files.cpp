@@ -10,12 +10,13 @@
 namespace maquette {
 
 std::vector<std::string> scene_files(const std::string& path) {
+  constexpr int kMostNested = 200;  // as parse_checked has it
   std::vector<std::string> files;
   try {
     const std::vector<std::byte> bytes = read_file(path);
     gltf::Warnings ignored;
     const auto text = gltf::split_container(path, bytes, &ignored).json;
-    if (has_too_many_values(text)) return files;
+    if (has_too_many_values(text) || is_nested_deeper(text, kMostNested)) return files;
     const nlohmann::json root = nlohmann::json::parse(text);
     for (const char* array : {"buffers", "images"}) {
       if (!root.contains(array)) continue;

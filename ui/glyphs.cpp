@@ -28,19 +28,13 @@ void Glyphs::note(const std::string& text) {
 }
 
 void Glyphs::note(const EditorState& state, const EditorFacts& facts) {
-  if (facts.scene) {
-    const Scene& scene = *facts.scene;
-    const std::size_t names = scene.nodes.size() + scene.materials.size() + scene.cameras.size();
-    if (scene_ != facts.scene || scene_names_ != names) {
-      scene_ = facts.scene;
-      scene_names_ = names;
-      note(scene.name);
-      for (const Node& node : scene.nodes) note(node.name);
-      for (const Material& material : scene.materials) note(material.name);
-      for (const Camera& camera : scene.cameras) note(camera.name);
-      for (const std::string& variant : scene.variants) note(variant);
-      for (const Animation& animation : scene.animations) note(animation.name);
-    }
+  if (const Scene* scene = facts.scene) {
+    note(scene->name);
+    for (const Node& node : scene->nodes) note(node.name);
+    for (const Material& material : scene->materials) note(material.name);
+    for (const Camera& camera : scene->cameras) note(camera.name);
+    for (const std::string& variant : scene->variants) note(variant);
+    for (const Animation& animation : scene->animations) note(animation.name);
   }
   for (const Look& look : state.looks) {
     note(look.name);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <set>
 #include <string>
 
@@ -18,8 +17,6 @@ class Glyphs {
 
  private:
   std::set<char16_t> all_;
-  const Scene* scene_ = nullptr;  ///< whose names are noted
-  std::size_t scene_names_ = 0;
 };
 
 }  // namespace maquette

@@ -206,9 +206,13 @@ void draw_keys(Ui& ui, CameraPath* path) {
       view.goes_there = true;
     }
     mark_item(ui, "key/" + std::to_string(i + 1));
+    const std::optional<std::string> begins_with = path->keys.front().look;
     const bool changed = order_buttons(ui, &path->keys, i, "key");
     ImGui::PopID();
-    if (changed) break;
+    if (!changed) continue;
+    // Whichever key comes first now, the path begins in the same look.
+    if (!path->keys.empty() && !path->keys.front().look) path->keys.front().look = begins_with;
+    break;
   }
   ImGui::EndChild();
   if (ImGui::Button("Add this camera")) ui.actions.add_key = true;

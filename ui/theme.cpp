@@ -26,8 +26,8 @@ const char* const kFontFiles[] = {
     "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
 };
 
-/// For what that one lacks: Chinese, Japanese, Korean. Debian's fonts-noto-cjk has all; fonts-droid-fallback
-/// and fonts-nanum (Korean) are small.
+/// For what the first font lacks: Chinese, Japanese, Korean. Debian's fonts-noto-cjk has all of it;
+/// fonts-droid-fallback and fonts-nanum (Korean) are small.
 const char* const kFurtherFontFiles[] = {
     "/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
     "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",

@@ -24,14 +24,24 @@ std::string named_folder(const Settings& settings, const std::string& bake) {
 
 }  // namespace
 
-void warn_of_own_bakes(const FrameStatus& status, std::set<std::string>* told) {
-  const auto warn = [&](const std::string& line) {
-    if (!told || told->insert(line).second) print_line(stderr, "warning: %s", line.c_str());
-  };
-  for (const auto& [name, bake] : status.own_bakes) {
-    if (!bake.ready) warn(name + ": nothing is baked; a preview is drawn (" + name + ".run is hold)");
-    for (const std::string& note : bake.notes) warn(name + ": " + note);
+std::vector<std::string> missing_bake_lines(const FrameStatus& status) {
+  std::vector<std::string> lines;
+  if (!status.has_geometry) return lines;
+  for (const auto& [name, bake] : status.bakes()) {
+    if (bake.ready) continue;
+    const bool own = status.own_bakes.contains(name);
+    lines.push_back(own ? name + ": nothing is baked; a preview is drawn (" + name + ".run is hold)"
+                        : "the bake of " + name + " is not there: the picture lacks it");
   }
+  return lines;
+}
+
+void warn_of_frame_bakes(const FrameStatus& status, std::set<std::string>* told) {
+  std::vector<std::string> lines = missing_bake_lines(status);
+  for (const auto& [name, bake] : status.own_bakes)
+    for (const std::string& note : bake.notes) lines.push_back(name + ": " + note);
+  for (const std::string& line : lines)
+    if (!told || told->insert(line).second) print_line(stderr, "warning: %s", line.c_str());
 }
 
 std::string owners_text(const ReviewBake& bake) {

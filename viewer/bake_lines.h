@@ -42,9 +42,10 @@ std::vector<std::string> bake_lines(const ReviewedBakes& of);
 void warn_of_bakes(const SceneOptions& options, const std::vector<std::string>& looks, const std::string& shown_name,
                    const Look& shown, const BakeKeyNow& key_now);
 
-/// Warns of what a frame that was drawn lacks of its modes' own bakes, and of what these say of themselves: a line
-/// each, but for those that `told` has.
-void warn_of_own_bakes(const FrameStatus& status, std::set<std::string>* told = nullptr);
+/// What a frame that was drawn lacks of the bakes that it wants, a line each.
+std::vector<std::string> missing_bake_lines(const FrameStatus& status);
+/// Warns of them, and of what modes' own bakes say of themselves, but for the lines that `told` has.
+void warn_of_frame_bakes(const FrameStatus& status, std::set<std::string>* told = nullptr);
 
 /// Keys of bakes by what decides them of a look, whatever its name.
 class KnownBakes {

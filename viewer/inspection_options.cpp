@@ -145,6 +145,7 @@ std::vector<std::pair<std::string, std::string>> worst_rows(const Measurement& r
   std::vector<std::pair<std::string, std::string>> rows;
   if (result.worst >= result.eyes.size() || result.eyes[result.worst].regions.empty()) return rows;
   const EyeValues& eye = result.eyes[result.worst];
+  if (!eye.looks_through) return {{"Worst", "no eye looks through the pane"}};
   const RegionValues& region = eye.regions.front();
   std::string where = eye.eye;
   for (const auto& [name, value] : eye.step) where += ", " + name + " " + plain_number(value);

@@ -41,8 +41,8 @@ std::string interval_text(const Interval& interval);
 
 /// A sweep that leaves the veil as it is: its trend is that of the ghost.
 bool changes_glass_alone(const std::string& sweep);
-/// Of each step of a sweep the largest mean over all eyes that look through the pane (NaN without any): of the
-/// reflected light, cd/m2, or of the ghost angle, arc minutes.
+/// A value for each step of a sweep: the largest mean of the reflected light, cd/m2, or of the ghost angle, arc
+/// minutes, over all eyes that look through the pane; NaN without any.
 std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps, bool ghost);
 
 /// The worst eye and step, light on the glass, veil per lux, in words.

@@ -121,7 +121,7 @@ FrameStats LookStage::render(const Look& look, const SettledFrame& settled) {
     if (progress_ && i > 0) progress_(static_cast<double>(i) / settled.frames);
     stats = renderer_->render(request_, true);
   }
-  warn_of_own_bakes(stats.status, &told_);
+  warn_of_frame_bakes(stats.status, &told_);
   return stats;
 }
 

@@ -315,7 +315,7 @@ int run_render(const CommandLine& line) {
   else
     render_frames(&renderer, request, options, &report);
   warn_of_light_left_out(report.frames.back().plan);
-  warn_of_own_bakes(report.frames.back().status);
+  warn_of_frame_bakes(report.frames.back().status);
   const Image radiance = renderer.read_radiance();
   if (reference) report.error = measure_error(radiance, *reference).figures;
   if (!options.output.empty()) {

@@ -193,7 +193,7 @@ class App {
     if (drawn_frames_ > 1) swatches_.update(session_.drawn_sources());
   }
 
-  /// Once for each set of them.
+  /// Says so each time that there are more of them.
   void say_missing_glyphs() {
     const std::set<char16_t>& missing = host_.missing_glyphs();
     if (missing.size() <= said_missing_) return;

@@ -84,8 +84,8 @@ void write_path(WindowSession* session) {
       review.empty() ? std::filesystem::current_path() : std::filesystem::path(review).parent_path();
   const std::string file = (folder / (readable_file_name(path->name) + ".path.json")).string();
   CameraPath moves = *path;  // for any scene: alone, the look of the first key is that of whoever plays it
-  if (std::ranges::none_of(moves.keys.begin() + 1, moves.keys.end(),
-                           [](const PathKey& key) { return key.look.has_value(); }))
+  const auto names_look = [](const PathKey& key) { return key.look.has_value(); };
+  if (std::ranges::count_if(moves.keys, names_look) == 1 && names_look(moves.keys.front()))
     moves.keys.front().look.reset();
   try {
     save_path(file, moves);

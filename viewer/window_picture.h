@@ -58,7 +58,7 @@ class WindowPicture {
   bool resting(double now_s) const { return converged() && now_s - last_change_s_ > 1.0; }
 
  private:
-  /// What of the state may be refused.
+  /// The choices of a user with which a scene may be refused.
   struct Choices {
     std::string mode, reflections;
     Settings settings;

@@ -35,8 +35,9 @@ struct FrameStatus {
   std::vector<std::string> fitted;     ///< a line each: the fits that keep the tolerance
   std::vector<std::string> misfitted;  ///< those that do not
 
+  bool single = false;  ///< no other frame follows, says the request
+
   // What has changed since the frame before.
-  bool single = false;          ///< no other frame follows, says the request
   int accumulated = 0;          ///< frames in the picture so far: nothing has moved since the first of them
   bool light_rotated = false;   ///< only the environment's rotation: temporal reuse
   bool has_sun = false;         ///< the environment has one that can be drawn apart

@@ -33,11 +33,7 @@ struct BrdfSampler {
   vec2 fetch_phi_cell(int elevation, int k, int p) const {
     return tables.phi_cells.data()[(elevation * kThetaCellCount + k) * kPhiCellCount + p];
   }
-#pragma push_macro("MAQUETTE_FN")
-#undef MAQUETTE_FN
-#define MAQUETTE_FN  // members are inline
 #include "shared/brdf_sampling.glsl"
-#pragma pop_macro("MAQUETTE_FN")
 };
 
 }  // namespace maquette::shared

@@ -75,6 +75,11 @@ Image reflectance_table(int size) {
   return table;
 }
 
+const Image& reflectance_table() {
+  static const Image table = reflectance_table(64);
+  return table;
+}
+
 Image sg_albedo_table(int size) {
   Image table(size, size, 1);
   parallel_for(0, size, [&](int y) {

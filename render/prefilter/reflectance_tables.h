@@ -11,6 +11,8 @@ namespace maquette {
 /// (1 - wo.h)^5 over cosine-distributed light, the same in every row. [size rows][size: n.v = (x + 0.5) / size].
 /// Source: KHR_materials_sheen (Charlie distribution, cheap visibility), as in shaders/shared/analytic.glsl.
 Image reflectance_table(int size);
+/// Of 64 x 64, made once: it depends on no environment.
+const Image& reflectance_table();
 
 /// Integral of exp(sharpness (cos(theta_h) - 1)) cos(theta_i) over the light's hemisphere; nv > 0.
 double sg_albedo(double sharpness, double nv);

@@ -257,11 +257,7 @@ EnvironmentLookup TracedEnvironment::look_up(const glm::vec3& direction) const {
     using ivec2 = glm::ivec2;
     static float floor(float v) { return std::floor(v); }
     static int clamp(int v, int low, int high) { return std::clamp(v, low, high); }
-#pragma push_macro("MAQUETTE_FN")
-#undef MAQUETTE_FN
-#define MAQUETTE_FN  // members are inline
 #include "shared/latlong_bilinear.glsl"
-#pragma pop_macro("MAQUETTE_FN")
   };
   const glm::vec2 uv = shared::latlong_uv_from_direction(direction);
   const int width = source->width, height = source->height;

@@ -26,11 +26,7 @@ struct TextureFilter {
   const TextureAtlas& atlas;
   uvec2 fetch_texel_words(int index) const { return atlas.texels.data()[index]; }
   vec4 texture_record(int texture, int row) const { return atlas.records.data()[3 * texture + row]; }
-#pragma push_macro("MAQUETTE_FN")
-#undef MAQUETTE_FN
-#define MAQUETTE_FN  // members are inline
 #include "shared/texture_filter.glsl"
-#pragma pop_macro("MAQUETTE_FN")
 };
 
 }  // namespace shared

@@ -32,11 +32,6 @@ std::vector<Image> make_sg_maps(const Environment& environment) {
 }
 
 /// For every environment the same.
-const Image& sg_reflectance() {
-  static const Image table = reflectance_table(kSgTableSize);
-  return table;
-}
-
 const Image& sg_albedos() {
   static const Image table = sg_albedo_table(kSgTableSize);
   return table;
@@ -46,7 +41,7 @@ class SgTables : public LookupTables {
  public:
   explicit SgTables(const Environment& environment)
       : maps_("SG maps", make_sg_maps(environment)),
-        reflectance_(upload_table("reflectance", sg_reflectance())),
+        reflectance_(upload_table("reflectance", reflectance_table())),
         albedo_(upload_table("SG albedo", sg_albedos())) {}
 
   void update(MaterialStore& materials) override {

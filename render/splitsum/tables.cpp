@@ -12,7 +12,6 @@ namespace maquette {
 namespace {
 
 constexpr int kGgxLevels = 17;  // as in shaders/splitsum/shade.comp
-constexpr int kTableSize = 64;
 
 /// The irradiance map comes first, then the levels.
 std::vector<Image> make_maps(const Environment& environment) {
@@ -21,17 +20,11 @@ std::vector<Image> make_maps(const Environment& environment) {
   return maps;
 }
 
-/// For every environment the same.
-const Image& splitsum_reflectance() {
-  static const Image table = reflectance_table(kTableSize);
-  return table;
-}
-
 class SplitsumTables : public LookupTables {
  public:
   explicit SplitsumTables(const Environment& environment)
       : maps_("GGX maps", make_maps(environment)),
-        reflectance_(splitsum_reflectance()),
+        reflectance_(reflectance_table()),
         table_(upload_table("reflectance", reflectance_)) {}
 
   void update(MaterialStore& materials) override {

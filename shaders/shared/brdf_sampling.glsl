@@ -2,17 +2,13 @@
 // and C++ with GLM. Needs merl.glsl, and two functions that the includer defines before:
 //   vec2 fetch_theta_cell(int elevation, int k)         (t_begin, t_end), t = 1 - cos(theta_h)
 //   vec2 fetch_phi_cell(int elevation, int k, int p)    (phi_begin, phi_end) in [0, pi]
-#ifndef MAQUETTE_FN
-#define MAQUETTE_FN
-#endif
-
 const int kBrdfElevations = 32;
 const int kBrdfThetaCells = 96;
 const int kBrdfPhiCells = 16;
 
 // Probability of theta cell k: 32 cells of 1/64, then 64 cells, eight for each halving of the remaining probability; the last one has the
 // rest. The sum is 1.
-MAQUETTE_FN float theta_cell_mass(int k) {
+float theta_cell_mass(int k) {
   float tail = 0.5f * exp2(float(32 - k) * 0.125f);
   float mass = k < 32 ? 0.015625f : tail * 0.0829959568f;  // 1 - 2^(-1/8)
   return k == 95 ? tail : mass;
@@ -24,7 +20,7 @@ struct ThetaCellChoice {
   float position;
 };
 
-MAQUETTE_FN ThetaCellChoice theta_cell_of(float u) {
+ThetaCellChoice theta_cell_of(float u) {
   ThetaCellChoice choice;
   float survival = max(2.0f - 2.0f * u, 1e-7f);  // 1 at the start of the tail
   float octave_cell = clamp(floor(-8.0f * log2(survival)), 0.0f, 63.0f);
@@ -38,7 +34,7 @@ MAQUETTE_FN ThetaCellChoice theta_cell_of(float u) {
 }
 
 // Row of the tables nearest to a view direction.
-MAQUETTE_FN int brdf_elevation(vec3 wo) {
+int brdf_elevation(vec3 wo) {
   float theta = merl_atan(sqrt(wo.x * wo.x + wo.y * wo.y), max(wo.z, 0.0f));
   return min(int(theta * 20.37183272f), kBrdfElevations - 1);  // 32 / (pi / 2)
 }
@@ -50,7 +46,7 @@ struct BrdfSample {
 };
 
 // Density over solid angle of h, 1/sr. Half, because the cells cover one side of the plane of view and normal.
-MAQUETTE_FN float half_vector_density(int k, vec2 theta_cell, vec2 phi_cell) {
+float half_vector_density(int k, vec2 theta_cell, vec2 phi_cell) {
   return theta_cell_mass(k) / (2.0f * float(kBrdfPhiCells) * (theta_cell.y - theta_cell.x) * (phi_cell.y - phi_cell.x));
 }
 
@@ -62,7 +58,7 @@ struct BrdfCellChoice {
   float side;          // of the plane of view and normal, 1 or -1
 };
 
-MAQUETTE_FN BrdfCellChoice brdf_cell_of(vec2 u) {
+BrdfCellChoice brdf_cell_of(vec2 u) {
   BrdfCellChoice choice;
   choice.theta = theta_cell_of(u.x);
   choice.side = u.y < 0.5f ? 1.0f : -1.0f;
@@ -74,7 +70,7 @@ MAQUETTE_FN BrdfCellChoice brdf_cell_of(vec2 u) {
 }
 
 // The sample for a choice of cells and their borders, which the caller has fetched.
-MAQUETTE_FN BrdfSample brdf_sample_in_cell(vec3 wo, BrdfCellChoice choice, vec2 theta_cell, vec2 phi_cell) {
+BrdfSample brdf_sample_in_cell(vec3 wo, BrdfCellChoice choice, vec2 theta_cell, vec2 phi_cell) {
   float t = theta_cell.x + choice.theta.position * (theta_cell.y - theta_cell.x);
   float phi = phi_cell.x + choice.phi_position * (phi_cell.y - phi_cell.x);
   // 1 - cos keeps small angles: sin^2 = t (2 - t).
@@ -94,7 +90,7 @@ MAQUETTE_FN BrdfSample brdf_sample_in_cell(vec3 wo, BrdfCellChoice choice, vec2 
   return result;
 }
 
-MAQUETTE_FN BrdfSample sample_brdf(vec3 wo, vec2 u) {
+BrdfSample sample_brdf(vec3 wo, vec2 u) {
   int elevation = brdf_elevation(wo);
   BrdfCellChoice choice = brdf_cell_of(u);
   vec2 theta_cell = fetch_theta_cell(elevation, choice.theta.k);
@@ -109,7 +105,7 @@ struct HalfVectorPosition {
   float length_sum;
 };
 
-MAQUETTE_FN HalfVectorPosition half_vector_position(vec3 wo, vec3 wi) {
+HalfVectorPosition half_vector_position(vec3 wo, vec3 wi) {
   HalfVectorPosition place;
   vec3 sum = wi + wo;
   place.length_sum = sqrt(dot(sum, sum));
@@ -123,14 +119,14 @@ MAQUETTE_FN HalfVectorPosition half_vector_position(vec3 wo, vec3 wi) {
 }
 
 // Density over solid angle (1/sr) of wi where its half vector lies in theta cell k; 0 below the horizon.
-MAQUETTE_FN float density_in_cell(vec3 wo, vec3 wi, HalfVectorPosition place, int k, vec2 theta_cell, vec2 phi_cell) {
+float density_in_cell(vec3 wo, vec3 wi, HalfVectorPosition place, int k, vec2 theta_cell, vec2 phi_cell) {
   float density = half_vector_density(k, theta_cell, phi_cell);
   // wo . h = |H| / 2.
   return wi.z > 0.0f && wo.z > 0.0f && place.length_sum > 0.0f ? density / (2.0f * place.length_sum) : 0.0f;
 }
 
 // Density over solid angle (1/sr) with which sample_brdf(wo, .) gives wi; 0 below the horizon. Searches: 7 + 4 fetches.
-MAQUETTE_FN float brdf_sample_pdf(vec3 wo, vec3 wi) {
+float brdf_sample_pdf(vec3 wo, vec3 wi) {
   HalfVectorPosition place = half_vector_position(wo, wi);
   int elevation = brdf_elevation(wo);
   int k = 0;

@@ -1,12 +1,8 @@
 // Bilinear lookup in a latitude-longitude map: longitude wraps, poles clamp. Common subset of GLSL and C++ with GLM. The includer defines
 // before it:
 //   vec3 fetch_latlong(int x, int y)   texel of the map
-#ifndef MAQUETTE_FN
-#define MAQUETTE_FN
-#endif
-
 // `uv` in [0, 1]^2 (shared/latlong.glsl).
-MAQUETTE_FN vec3 latlong_bilinear(vec2 uv, ivec2 size) {
+vec3 latlong_bilinear(vec2 uv, ivec2 size) {
   float px = uv.x * float(size.x) - 0.5f;
   float py = uv.y * float(size.y) - 0.5f;
   int x0 = int(floor(px));

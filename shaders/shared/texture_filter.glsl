@@ -4,24 +4,20 @@
 //   vec4 texture_record(int texture_index, int row)   row 0 to 2 of a record
 // Record of a texture (3 vec4): offset bits, width, height, levels | rotation and scale of the transform (a 2x2 matrix) | transform
 // offset, wrap code (s + 4 t), flags (1 sRGB, 2 UV set 1, 4 nearest).
-#ifndef MAQUETTE_FN
-#define MAQUETTE_FN
-#endif
-
 /// Transforms a vector of UV by the linear part of KHR_texture_transform.
-MAQUETTE_FN vec2 texture_transformed(int texture_index, vec2 uv) {
+vec2 texture_transformed(int texture_index, vec2 uv) {
   vec4 matrix = texture_record(texture_index, 1);
   return vec2(matrix.x * uv.x + matrix.y * uv.y, matrix.z * uv.x + matrix.w * uv.y);
 }
 
 /// The UV coordinates of the texture's set, transformed by KHR_texture_transform.
-MAQUETTE_FN vec2 texture_coordinates(int texture_index, vec2 uv0, vec2 uv1) {
+vec2 texture_coordinates(int texture_index, vec2 uv0, vec2 uv1) {
   vec4 rest = texture_record(texture_index, 2);
   return texture_transformed(texture_index, (int(rest.w) & 2) != 0 ? uv1 : uv0) + vec2(rest.x, rest.y);
 }
 
 /// Remainders in float: integer division is scalar and slow on software drivers; sizes are far below 2^24.
-MAQUETTE_FN int wrap_texel(int i, int size, int mode) {
+int wrap_texel(int i, int size, int mode) {
   if (mode == 2) return clamp(i, 0, size - 1);
   float period = float(mode == 1 ? 2 * size : size);
   float m = float(i) - period * floor(float(i) / period);
@@ -30,7 +26,7 @@ MAQUETTE_FN int wrap_texel(int i, int size, int mode) {
 }
 
 /// sRGB images are stored square-root coded (render/materials/texture_atlas.cpp): decoding is one product, and filtering is in linear light.
-MAQUETTE_FN vec4 fetch_texel(int offset, ivec2 size, ivec2 p, int wrap, bool srgb) {
+vec4 fetch_texel(int offset, ivec2 size, ivec2 p, int wrap, bool srgb) {
   int x = wrap_texel(p.x, size.x, wrap & 3);
   int y = wrap_texel(p.y, size.y, wrap >> 2);
   uvec2 words = fetch_texel_words(offset + y * size.x + x);
@@ -40,7 +36,7 @@ MAQUETTE_FN vec4 fetch_texel(int offset, ivec2 size, ivec2 p, int wrap, bool srg
   return srgb ? vec4(c.x * c.x, c.y * c.y, c.z * c.z, c.w) : c;
 }
 
-MAQUETTE_FN vec4 sample_level(int offset, ivec2 size, vec2 uv, int wrap, bool srgb, bool nearest) {
+vec4 sample_level(int offset, ivec2 size, vec2 uv, int wrap, bool srgb, bool nearest) {
   vec2 p = uv * vec2(size);
   if (nearest) return fetch_texel(offset, size, ivec2(floor(p)), wrap, srgb);
   p -= 0.5f;
@@ -53,7 +49,7 @@ MAQUETTE_FN vec4 sample_level(int offset, ivec2 size, vec2 uv, int wrap, bool sr
 }
 
 /// Trilinear; the footprint is the geometric mean of the two derivatives, so that glancing surfaces stay readable.
-MAQUETTE_FN vec4 sample_texture(int texture_index, vec2 uv, vec2 duv_dx, vec2 duv_dy) {
+vec4 sample_texture(int texture_index, vec2 uv, vec2 duv_dx, vec2 duv_dy) {
   vec4 a = texture_record(texture_index, 0);
   vec4 rest = texture_record(texture_index, 2);
   vec2 extent = vec2(a.y, a.z);

@@ -65,6 +65,13 @@ std::string mutated(std::string bytes, std::mt19937* random) {
       "[[[[",  "1e20",   "{}",         "\xff", "\xe2\x80\xae",   "0",        "9999999999",
       "\n\n",  "-1e-30", "\"..\"",     "[]",   "true",           "\\",       "65536"};
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>((*random)() % std::max<std::size_t>(n, 1)); };
+  if (below(200) == 0) {  // deep, and closed again
+    const std::size_t depth = 1u << (4 + below(15));
+    std::string open;
+    for (std::size_t i = 0; i < depth; ++i) open += i % 2 == 0 ? "[" : "{\"a\":";
+    for (std::size_t i = depth; i-- > 0;) bytes += i % 2 == 0 ? ']' : '}';
+    return open + bytes;
+  }
   const std::size_t changes = 1 + below(6);
   for (std::size_t i = 0; i < changes && !bytes.empty(); ++i) {
     // Headers decide most.
@@ -178,7 +185,7 @@ class Mutations : public test::TemporaryFolder {
     review.looks[0].edits.materials["paint"] = "builtin:paint-solid-red";
     review.paths = {way};
     save_review(path("r.maquette.json"), review);
-    // Of a table with as many numbers as its header says; a whole one has 33 MB.
+    // The beginning of a MERL table: a whole one has 33 MB.
     const std::int32_t sizes[3] = {90, 90, 180};
     write("m.binary", std::string(reinterpret_cast<const char*>(sizes), sizeof sizes) + std::string(4096, '\x3f'));
     make_btf_images();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <memory>
 
 #include "render/gl/context.h"
@@ -71,6 +72,13 @@ TEST_F(WindowsPaths, NameTheLookThatIsKeptAlready) {
   EXPECT_EQ(state().looks.size(), 1u);
   for (const CameraPath& path : state().paths) EXPECT_EQ(path.keys[0].look, state().looks[0].name);
   EXPECT_FALSE(state().paths[0].keys[1].look) << "as before";
+}
+
+TEST_F(WindowsPaths, OneWithoutKeysIsWrittenAsItIs) {
+  carry_out(&EditorActions::new_path);
+  state().paths[0].keys.clear();
+  carry_out(&EditorActions::export_path);
+  EXPECT_TRUE(std::filesystem::remove("path.path.json"));
 }
 
 TEST_F(WindowsPaths, WhatIsChangedByHandWhileOnePlaysStays) {

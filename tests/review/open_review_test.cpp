@@ -66,6 +66,18 @@ TEST_F(OpenReviews, KeepsUnsavedChangesAndTheHistory) {
   EXPECT_FALSE(again.undo());
 }
 
+TEST_F(OpenReviews, DeepNestingIsRefused) {
+  for (const std::string& open : {std::string("["), std::string("{\"a\":")}) {
+    std::string text;
+    for (int i = 0; i < 300000; ++i) text += open;
+    text += "1" + std::string(300000, open == "[" ? ']' : '}');
+    write("a.maquette.json", text);
+    const std::string said = test::message_of<Error>([&] { load_review(file_); });
+    EXPECT_TRUE(contains(said, "nested deeper")) << said;
+    EXPECT_FALSE(contains(said, "json.exception")) << said;
+  }
+}
+
 TEST_F(OpenReviews, NamesNoDevicesAndPipes) {
   std::filesystem::create_symlink("/dev/zero", path("zero.hdr"));
   ASSERT_EQ(::mkfifo(path("pipe.exr").c_str(), 0600), 0);

@@ -10,6 +10,27 @@ namespace {
 using test::HeadlessEditor;
 using test::small_scene;
 
+TEST(ReviewPanel, APathBeginsInItsLookWhicheverKeyIsFirst) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 1400.0f);
+  editor.facts.scene = &scene;
+  CameraPath path;
+  path.name = "way";
+  path.keys.resize(3);
+  for (std::size_t i = 0; i < 3; ++i) path.keys[i].name = std::string(1, static_cast<char>('a' + i));
+  path.keys[0].look = "red";
+  editor.state.paths = {path};
+  editor.state.left_tab = 3;
+  editor.step(3);
+  ASSERT_TRUE(editor.click("key/remove/a"));
+  const std::vector<PathKey>& keys = editor.state.paths[0].keys;
+  ASSERT_EQ(keys.size(), 2u);
+  EXPECT_EQ(keys[0].look, "red");
+  ASSERT_TRUE(editor.click("key/up/c"));
+  EXPECT_EQ(keys[0].name, "c");
+  EXPECT_EQ(keys[0].look, "red");
+}
+
 TEST(ReviewPanel, AKeyIsDraggedAlongTheTimeline) {
   const Scene scene = small_scene();
   HeadlessEditor editor(1280.0f, 1400.0f);

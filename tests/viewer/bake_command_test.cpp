@@ -75,7 +75,7 @@ TEST(BakeCommand, TheFolderKnowsItsSettings) {
   // The same command without the settings resumes.
   const ProgramResult again = run_maquette({"bake", "slf", "builtin:sphere", "--env", "builtin:studio", "-o", at});
   EXPECT_EQ(again.exit_code, 0) << again.error;
-  // Of transfer too.
+  // The same with radiance transfer.
   Scene floor;
   floor.materials = {test::matte(glm::vec3(0.5f))};
   test::add(&floor, test::make_grid({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 2, 0), "floor");

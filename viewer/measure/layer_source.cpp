@@ -2,6 +2,7 @@
 #include "render/renderer.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
+#include "viewer/bake_lines.h"
 #include "viewer/measure/measure_run.h"
 #include "viewer/session.h"
 
@@ -38,13 +39,11 @@ class FrameLayers : public LayerSource {
     for (int i = 0; i < (frames > 0 ? frames : kFramesOfLayer); ++i) renderer_.render(request, true);
     return renderer_.read_radiance();
   }
-  /// Figures of a preview would be those of another mode. Throws Error.
+  /// Figures without a bake would be those of another picture. Throws Error.
   void prepare(const FrameRequest& request) {
     if (renderer_.finish_background_work(request)) return;
-    for (const auto& [name, bake] : renderer_.render(request).status.own_bakes)
-      if (!bake.ready)
-        throw Error("mode " + request.mode, "nothing is baked, since " + name + ".run is hold",
-                    "--set " + name + ".run=auto bakes it");
+    for (const std::string& line : missing_bake_lines(renderer_.render(request).status))
+      throw Error("mode " + request.mode, line, "nothing was measured");
   }
 
   const GlContext context_ = GlContext::create_headless();

@@ -180,7 +180,7 @@ std::string measurement_json(const Measurement& m) {
   json["not_modelled"] = m.not_modelled;
   json["eyes"] = Json::array();
   for (const EyeValues& eye : m.eyes) json["eyes"].push_back(eye_json(eye));
-  if (m.eyes.size() > 1) {
+  if (m.eyes.size() > 1 && m.eyes[m.worst].looks_through) {
     json["worst"] = {{"eye", m.eyes[m.worst].eye},
                      {"reflected_cdm2", number(m.eyes[m.worst].regions.front().reflected.mean)}};
     if (const auto& ghost = m.eyes[m.worst].regions.front().ghost_arcmin)

@@ -66,7 +66,7 @@ struct Measurement {
   std::vector<std::pair<std::string, std::string>> assumptions;
   std::vector<std::string> not_modelled;
   /// Index in `eyes` of the largest mean veil of the first region, of those that look through the pane; of equal ones,
-  /// of the largest mean ghost angle.
+  /// of the largest mean ghost angle. Where none looks through it, it is none of them.
   std::size_t worst = 0;
 };
 

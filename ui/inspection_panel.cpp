@@ -266,7 +266,8 @@ void draw_sweep(Ui& ui) {
                 static_cast<double>(facts.sweep_x[static_cast<std::size_t>(worst)]));
   ImGui::TextWrapped("%s", text);
   if (blind > 0)
-    ImGui::TextWrapped("At %d steps the eye does not look through the pane: left out", static_cast<int>(blind));
+    ImGui::TextWrapped("Left out: %d of %zu steps, at which the eye does not look through the pane",
+                       static_cast<int>(blind), facts.sweep_y.size());
 }
 
 void draw_export(Ui& ui) {

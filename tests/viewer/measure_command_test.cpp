@@ -115,12 +115,14 @@ TEST(MeasureCommand, TheWorstWedgeIsTheOneWithTheLargestGhost) {
 // Turned flat, the pane lies below the eye, which then looks at its outer face.
 TEST(MeasureCommand, AStepThatTheEyeDoesNotLookThroughIsNotTheWorst) {
   const TemporaryFolder folder;
-  const Json json = measured(folder, {"--sweep", "rake=60,84"});
+  const Json json = measured(folder, {"--sweep", "rake=60,76,84"});
   const Json& eyes = json.at("eyes");
   ASSERT_TRUE(eyes.at(0).at("looks_through_pane").get<bool>());
-  ASSERT_FALSE(eyes.at(1).at("looks_through_pane").get<bool>()) << eyes.at(1).dump();
+  EXPECT_FALSE(eyes.at(1).at("looks_through_pane").get<bool>()) << "a part of it is past the eye";
+  EXPECT_FALSE(eyes.at(2).at("looks_through_pane").get<bool>());
   EXPECT_EQ(json.at("worst").at("step").at("rake").get<double>(), 60.0);
-  EXPECT_NEAR(eyes.at(1).at("light_on_glass").at("rake_deg").get<double>(), 84.0, 0.5);
+  for (const Json& eye : eyes)  // of the same outer face, whichever side the eye is on
+    EXPECT_NEAR(eye.at("light_on_glass").at("rake_deg").get<double>(), eye.at("step").at("rake").get<double>(), 0.5);
 }
 
 // The order that is known from measurements: a flatter windshield and a brighter dashboard veil more.

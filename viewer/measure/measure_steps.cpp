@@ -107,6 +107,8 @@ struct StepScene {
   SceneOptions options;
   MeasureOptions measure;
   std::shared_ptr<const PathScene> paths;
+  /// On the inner side of the pane, m: the first eye, turned with the pane, so that its outer face stays the same one.
+  glm::dvec3 inside{0.0};
   std::optional<PaneLight> light;
   std::optional<SunPlace> sun;
 };
@@ -132,7 +134,7 @@ class Steps {
   bool has_dash() const { return dash_ >= 0; }
 
   StepScene make(const Step& step) {
-    StepScene s{scene_, environment_, options_, measure_, nullptr, {}, {}};
+    StepScene s{scene_, environment_, options_, measure_, nullptr, inside_, {}, {}};
     if (const auto reflectance = value_of(step, "dash-reflectance")) s.measure.dash_reflectance = reflectance;
     if (const auto wedge = value_of(step, "wedge")) s.options.settings.set("reflections.wedge", *wedge);
     if (const auto thickness = value_of(step, "thickness")) s.options.settings.set("reflections.thickness", *thickness);
@@ -141,10 +143,7 @@ class Steps {
     const bool same = s.scene == scene_ && s.environment == environment_;
     s.paths = same ? first_paths_ : trace_scene(*s.scene, s.environment);
     const float rotation = radians(s.options.env_rotation_deg);
-    auto light = light_on_pane(*s.paths, *s.environment, rotation, 1.0f, pane_, inside_);
-    // Turned past the eye: outside is where it was.
-    if (light && plain_ && glm::dot(light->normal, plain_->normal) < 0.0)
-      light = light_on_pane(*s.paths, *s.environment, rotation, 1.0f, pane_, light->middle - plain_->normal);
+    const auto light = light_on_pane(*s.paths, *s.environment, rotation, 1.0f, pane_, s.inside);
     if (s.measure.night) {
       s.options.env_scale = 0.0f;
     } else if (s.measure.lux_on_glass) {
@@ -205,7 +204,8 @@ class Steps {
       const glm::dvec3 up(0.0, 1.0, 0.0), slope = glm::normalize(up - plain_->normal * plain_->normal.y);
       const glm::dvec3 hinge =
           plain_->middle + slope * ((plain_->lowest_m - plain_->middle.y) / std::max(slope.y, 1e-6));
-      turn_rake(edited.get(), pane_, hinge, plain_->normal, *rake - plain_->rake_deg);
+      const glm::dmat4 turn = turn_rake(edited.get(), pane_, hinge, plain_->normal, *rake - plain_->rake_deg);
+      s->inside = glm::dvec3(turn * glm::dvec4(inside_, 1.0));
     }
     s->scene = std::move(edited);
   }
@@ -313,8 +313,10 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
       }
       for (const glm::ivec2& pixel : options.probes)
         values.probes.push_back(probe_values(context, pixel, pictures, sights));
-      const bool behind = !s.light || glm::dot(glm::dvec3(eye.view.eye) - s.light->middle, s.light->normal) < 0.0;
-      values.looks_through = behind && values.regions.front().pane_pixels > 0;
+      const auto seen = pane_pixels(regions.front(), own.width, steps.pane(), sights);
+      values.looks_through = !seen.empty() && std::ranges::all_of(seen, [&](std::size_t i) {
+        return !s.light || glm::dot(sights[i].pane->normal, s.light->normal) < 0.0;
+      });
       result.eyes.push_back(std::move(values));
       if (last) *last = {std::move(pictures), sights, own};
     }

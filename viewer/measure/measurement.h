@@ -52,8 +52,8 @@ struct EyeValues {
   std::string eye;  ///< `camera`, `V1`, `left`, `row 1, column 2`, ...
   glm::dvec3 position{0.0};
   std::vector<std::pair<std::string, double>> step;  ///< of the sweeps
-  /// The first region shows the pane, and the eye is behind it: a sweep of rake may turn it past the eye, whose figures
-  /// are then those of another sight.
+  /// The first region shows the pane, and nowhere its outer face: a sweep of rake may turn it past the eye, whose
+  /// figures are then those of another sight.
   bool looks_through = true;
   std::optional<PaneLight> light;
   std::optional<SunPlace> sun;

@@ -29,7 +29,7 @@ void make_lambertian(Scene* scene, int material, double reflectance) {
   scene->materials[static_cast<std::size_t>(material)] = plain;
 }
 
-void turn_rake(Scene* scene, int node, const glm::dvec3& hinge, const glm::dvec3& normal, double degrees) {
+glm::dmat4 turn_rake(Scene* scene, int node, const glm::dvec3& hinge, const glm::dvec3& normal, double degrees) {
   const glm::dvec3 up(0.0, 1.0, 0.0), axis = glm::cross(normal, up);
   if (glm::dot(axis, axis) < 1e-12) throw Error("--sweep rake", "the pane is horizontal", "sweep another quantity");
   const glm::dmat4 turn = glm::translate(glm::dmat4(1.0), hinge) *
@@ -40,6 +40,7 @@ void turn_rake(Scene* scene, int node, const glm::dvec3& hinge, const glm::dvec3
   const glm::dmat4 parent =
       moved.parent < 0 ? glm::dmat4(1.0) : glm::dmat4(world[static_cast<std::size_t>(moved.parent)]);
   moved.local = glm::mat4(glm::inverse(parent) * turn * glm::dmat4(world[static_cast<std::size_t>(node)]));
+  return turn;
 }
 
 }  // namespace maquette

@@ -14,7 +14,7 @@ int find_node(const Scene& scene, const std::string& name, const std::string& op
 void make_lambertian(Scene* scene, int material, double reflectance);
 
 /// Turns a node about a horizontal axis through `hinge` (m, world), by which its outward normal `normal` (unit) gets
-/// `degrees` steeper: the rake of its plane, from the vertical, becomes larger.
-void turn_rake(Scene* scene, int node, const glm::dvec3& hinge, const glm::dvec3& normal, double degrees);
+/// `degrees` steeper: the rake of its plane, from the vertical, becomes larger. Returns the turn, of world points.
+glm::dmat4 turn_rake(Scene* scene, int node, const glm::dvec3& hinge, const glm::dvec3& normal, double degrees);
 
 }  // namespace maquette

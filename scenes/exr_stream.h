@@ -24,7 +24,8 @@ class ExrStream final : public Imf::OStream {
 };
 
 /// The path again, once no attribute of a header says that it is longer than the file: OpenEXR reserves that memory
-/// before it reads. What is no EXR file is left to OpenEXR. Throws std::runtime_error. Source: "OpenEXR File Layout".
+/// before it reads. Attributes must have the length of their type, because OpenEXR goes by the type and would find the
+/// next one elsewhere. What is no EXR file is left to OpenEXR. Throws std::runtime_error. Source: "OpenEXR File Layout".
 const char* checked_exr(const std::string& path);
 
 /// Whether a file compressed by zlib can hold so many bytes of values: memory is not reserved for more. Source: zlib's

@@ -166,6 +166,25 @@ TEST_F(ImageExr, AnAttributeIsNoLongerThanTheFile) {
   }
 }
 
+// OpenEXR reads attributes by their types and goes on where they end, whatever length the header says.
+TEST_F(ImageExr, AnAttributeHasTheLengthOfItsType) {
+  save_exr(path("a.exr"), Image(4, 4, 3, 0.5f));
+  const std::string whole = read(path("a.exr"));
+  for (const std::string& attribute : {std::string("channels\0chlist\0", 16), std::string("dataWindow\0box2i\0", 17),
+                                      std::string("lineOrder\0lineOrder\0", 20)}) {
+    const std::size_t at = whole.find(attribute);
+    ASSERT_NE(at, std::string::npos);
+    for (const int more : {1, -1}) {
+      std::string bytes = whole;
+      char& length = bytes[at + attribute.size()];
+      length = static_cast<char>(length + more);
+      const std::string file = write("b.exr", bytes);
+      const std::string said = test::message_of<Error>([&] { load_hdr_image(file); });
+      EXPECT_NE(said.find("length of its type"), std::string::npos) << said;
+    }
+  }
+}
+
 TEST_F(ImageExr, TheDisplayWindowMayBeginAnywhere) {
   display_ = {{-4, 10}, {3, 13}};
   data_ = {{-2, 9}, {3, 11}};

@@ -11,9 +11,9 @@
 namespace maquette {
 
 std::vector<std::string> transfer_bake_settings() {
-  return {"prt.faces",        "prt.clusters", "prt.components",     "prt.btf_components", "prt.bounces",
-          "prt.vertices",     "prt.form",     "prt.texel_clusters", "prt.joint_clusters", "prt.rays",
-          "prt.vertex_error", "prt.parts",    "prt.shadows"};
+  return {"prt.faces",   "prt.clusters",     "prt.components", "prt.btf_components", "prt.btf_error",
+          "prt.bounces", "prt.vertices",     "prt.form",       "prt.texel_clusters", "prt.joint_clusters",
+          "prt.rays",    "prt.vertex_error", "prt.parts",      "prt.shadows"};
 }
 
 namespace {
@@ -68,19 +68,20 @@ void run(const BakeRequest& request, const BakeControl& control) {
   std::size_t matrices = 0;
   for (const TransferGroup& group : bake.groups) {
     char line[240];
-    std::snprintf(line, sizeof line, "%s: %zu vertices of %zu bytes, %zu views, %d components",
+    std::snprintf(line, sizeof line,
+                  "%s: %zu vertices of %zu bytes, %zu views, %d components, error of the material %.2f %%",
                   group.material->name.c_str(), group.vertices.size(), bake.bytes_per_vertex(group),
-                  group.material->views.size(), group.components);
+                  group.material->views.size(), group.fit.components, 100.0 * group.fit.error);
     control.report(line);
     matrices += group.matrices.size();
   }
   char text[240];
-  std::snprintf(
-      text, sizeof text,
-      ": %zu parts, %zu matrices, error of the transfer %.2f %%, light side %.0f MB, %.1f s, %zu of %zu blocks "
-      "reused",
-      job.parts.size(), matrices, 100.0 * bake.error, 1e-6 * static_cast<double>(bake.table.bytes()),
-      seconds_since(begin), bake.reused, bake.blocks);
+  std::snprintf(text, sizeof text,
+                ": %zu parts, %zu matrices, error of material and transfer %.2f %%, light side %.0f MB, %.1f s, %zu of "
+                "%zu blocks "
+                "reused",
+                job.parts.size(), matrices, 100.0 * bake.error(), 1e-6 * static_cast<double>(bake.table.bytes()),
+                seconds_since(begin), bake.reused, bake.blocks);
   control.report(job.folder + text);
 }
 

@@ -20,7 +20,7 @@ std::size_t record_words(int components) {
 }
 
 std::size_t records_of(const TransferGroup& group) {
-  return group.joint ? group.joint->function_count() : group.matrices.size();
+  return group.fit.joint ? group.fit.joint->function_count() : group.matrices.size();
 }
 
 /// The first `own` of every `stored` half floats, four a texel.
@@ -65,9 +65,12 @@ TransferBuffers::TransferBuffers(const Transfer& transfer, std::size_t triangles
     : limits_(limits) {
   vertex_count_ = static_cast<int>(transfer.mesh.vertices.size());
   components_ = transfer.bake->options.components;
-  terms_ = transfer_terms(transfer.bake->options.btf_components);
+  int components_of_materials = 0;
   for (const TransferGroup& group : transfer.bake->groups)
-    if (group.joint) functions_ = std::max(functions_, static_cast<int>(group.joint->function_count()));
+    components_of_materials = std::max(components_of_materials, group.fit.components);
+  terms_ = transfer_terms(components_of_materials);
+  for (const TransferGroup& group : transfer.bake->groups)
+    if (group.fit.joint) functions_ = std::max(functions_, static_cast<int>(group.fit.joint->function_count()));
   if (joint()) rows_of_view_ = transfer.bake->options.joint_clusters * (1 + components_);
   upload_triangles(transfer, triangles);
   upload_vertices(transfer);
@@ -130,7 +133,7 @@ void TransferBuffers::upload_records(const Transfer& transfer) {
     for (std::size_t i = 0; i < group.vertices.size(); ++i) {
       places[group.vertices[i]] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(g)};
       // In the joint form those of a function's first view.
-      const std::size_t step = group.joint ? group.matrices.size() / records_of(group) : 1;
+      const std::size_t step = group.fit.joint ? group.matrices.size() / records_of(group) : 1;
       for (std::size_t m = 0; m < group.matrices.size(); m += step, first += texels) {
         const TransferMatrix& matrix = group.matrices[m];
         std::uint32_t* record = records.data() + 4 * first;
@@ -151,14 +154,15 @@ void TransferBuffers::upload_materials(const Transfer& transfer) {
   std::vector<std::uint64_t> factors;
   for (const TransferGroup& group : transfer.bake->groups) {
     const Btf& btf = *group.material;
-    const std::size_t first = views.size(), own = static_cast<std::size_t>(3 * (1 + group.components)),
+    const std::size_t first = views.size(), own = static_cast<std::size_t>(3 * (1 + group.fit.components)),
                       stored = static_cast<std::size_t>(3 * (1 + btf.components));
     const ViewTableSize size = append_view_table(btf.view_mesh, &views);
-    groups.emplace_back(group.joint ? records_of(group) : static_cast<std::size_t>(group.components), first,
+    groups.emplace_back(group.fit.joint ? records_of(group) : static_cast<std::size_t>(group.fit.components), first,
                         size.triangles, size.borders);
-    groups.emplace_back(factors.size(), btf.width, btf.height, group.components);
-    if (group.joint) {
-      append_halves(group.joint->texels, group.joint->texel_halves(), group.joint->texel_halves(), &factors);
+    groups.emplace_back(factors.size(), btf.width, btf.height, group.fit.components);
+    if (group.fit.joint) {
+      append_halves(group.fit.joint->texels, group.fit.joint->texel_halves(), group.fit.joint->texel_halves(),
+                    &factors);
       continue;
     }
     for (const BtfView& view : btf.views) append_halves(view.factors, stored, own, &factors);

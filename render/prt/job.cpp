@@ -5,6 +5,7 @@
 #include <map>
 
 #include "render/parts/baked_parts.h"
+#include "render/prt/buffers.h"
 #include "render/prt/material_btf.h"
 #include "render/prt/transfer_files.h"
 #include "render/scene_state/facts.h"
@@ -80,6 +81,7 @@ TransferOptions options_of(const Settings& settings) {
   options.clusters = settings.get_int("prt.clusters");
   options.components = settings.get_int("prt.components");
   options.btf_components = settings.get_int("prt.btf_components");
+  options.btf_error = 0.01 * settings.get_double("prt.btf_error");
   options.bounces = settings.get_int("prt.bounces");
   options.vertices = static_cast<std::size_t>(settings.get_int("prt.vertices"));
   options.texel_clusters = settings.get_int("prt.texel_clusters");
@@ -98,11 +100,13 @@ constexpr std::size_t kMostBytesByViews = std::size_t{256} << 20;
 
 }  // namespace
 
-TransferForm choose_transfer_form(const Settings& settings, std::size_t triangles) {
+TransferForm choose_transfer_form(const Settings& settings, const SceneFacts& facts) {
   const std::string& asked = settings.get_string("prt.form");
   if (asked != "auto") return {asked == "joint", "prt.form=" + asked};
-  const std::size_t vertices = std::max(static_cast<std::size_t>(settings.get_int("prt.vertices")), triangles / 2);
-  const auto records = static_cast<std::size_t>(1 + 81 * settings.get_int("prt.btf_components"));
+  const std::size_t vertices =
+      std::max(static_cast<std::size_t>(settings.get_int("prt.vertices")), facts.triangle_count / 2);
+  const int components = std::min(settings.get_int("prt.btf_components"), facts.has_btf ? kMostMaterialComponents : 2);
+  const auto records = static_cast<std::size_t>(1 + 81 * components);
   const std::size_t bytes =
       vertices * records * sizeof(std::uint16_t) * static_cast<std::size_t>(1 + settings.get_int("prt.components"));
   const std::string size =
@@ -143,8 +147,7 @@ TransferJob make_transfer_job(const TransferInput& input, const std::string& fol
   job.scene = input.scene->name;
   job.geometry = input.geometry;
   job.options = options_of(input.settings);
-  job.options.joint =
-      choose_transfer_form(input.settings, compute_facts(*input.scene, input.variant).triangle_count).joint;
+  job.options.joint = choose_transfer_form(input.settings, compute_facts(*input.scene, input.variant)).joint;
   const std::vector<std::size_t> items = find_transfer_items(input);
   for (const std::size_t i : items) {
     const DrawItem& item = input.geometry->items[i];

@@ -2,6 +2,7 @@
 
 #include "render/prt/transfer_bake.h"
 #include "render/reference/path_scene.h"
+#include "render/scene_state/facts.h"
 #include "render/technique/settings.h"
 
 namespace maquette {
@@ -21,12 +22,12 @@ struct TransferMemory {
   std::shared_ptr<const TransferBake> bake;
 };
 
-/// Whether a scene gets the joint form, and why, for the plan. `triangles`: of the scene.
+/// Whether a scene gets the joint form, and why, for the plan; by the most components that its materials may get.
 struct TransferForm {
   bool joint = false;
   std::string reason;
 };
-TransferForm choose_transfer_form(const Settings& settings, std::size_t triangles);
+TransferForm choose_transfer_form(const Settings& settings, const SceneFacts& facts);
 
 /// Why precomputed transfer cannot hold an item with this material, or nothing.
 std::string check_transfer_part(const FlatGeometry& geometry, const DrawItem& item, const Material& material);

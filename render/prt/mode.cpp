@@ -144,7 +144,7 @@ class TransferMode : public ShadingMode {
         {"prt_vertices", static_cast<double>(transfer.mesh.vertices.size())},
         {"prt_vertex_bytes", bytes / std::max<double>(static_cast<double>(transfer.mesh.vertices.size()), 1.0)},
         {"prt_coefficients", static_cast<double>(store.light().kept.coefficients.size())},
-        {"prt_error", transfer.bake->error},
+        {"prt_error", std::hypot(transfer.bake->error(), store.light().left_out)},
         {"light_update_ms", store.light().ms}};
   }
   PointValue read_view(int view, const LayerContext& layer) const {

@@ -113,6 +113,20 @@ KeptLight choose_coefficients(const CubeLight& light, const std::vector<float>& 
   return kept;
 }
 
+double light_left_out(const CubeLight& light, const KeptLight& kept, const std::vector<float>& importance) {
+  CubeLight left = light;
+  for (std::size_t k = 0; k < kept.coefficients.size(); ++k)
+    for (int c = 0; c < 3; ++c) left(kept.coefficients[k], c) -= kept.values[k][c];
+  double lost = 0.0, all = 0.0;
+  for (Eigen::Index i = 0; i < light.rows(); ++i) {
+    const double square = static_cast<double>(importance[static_cast<std::size_t>(i)]) *
+                          static_cast<double>(importance[static_cast<std::size_t>(i)]);
+    lost += square * static_cast<double>(left.row(i).squaredNorm());
+    all += square * static_cast<double>(light.row(i).squaredNorm());
+  }
+  return all > 0.0 ? std::sqrt(lost / all) : 0.0;
+}
+
 CubeLight light_of_coefficients(const KeptLight& kept, int side) {
   CubeLight light = CubeLight::Zero(6 * side * side, 3);
   for (std::size_t k = 0; k < kept.coefficients.size(); ++k)

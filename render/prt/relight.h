@@ -21,6 +21,9 @@ struct KeptLight {
 /// with the light, and nothing pops in and out while it turns.
 KeptLight choose_coefficients(const CubeLight& light, const std::vector<float>& importance, std::size_t count);
 
+/// What the left away part of a light adds to sums, relative to those of all of it (RMS, by importance).
+double light_left_out(const CubeLight& light, const KeptLight& kept, const std::vector<float>& importance);
+
 /// The light that is left of it: radiance of each direction.
 CubeLight light_of_coefficients(const KeptLight& kept, int side);
 

@@ -93,9 +93,10 @@ bool TransferStore::update_light(const SceneState& scene, const FrameRequest& re
       environment_rotation(static_cast<double>(request.env_rotation_rad)) * glm::transpose(transfer_->baked_from_world);
   const CubeLight haar = haar_light(pyramid_, *cube_, environment_from_baked);
   KeptLight kept = choose_coefficients(haar, importance_, static_cast<std::size_t>(6 * coefficients));
+  const double left_out = light_left_out(haar, kept, importance_);
   transfer_->bake->table.sums(kept, &sums_);
   buffers_->set_sums(sums_);
-  light_ = {std::move(kept),
+  light_ = {std::move(kept), left_out,
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count()};
   return true;
 }

@@ -26,7 +26,8 @@ class TransferKind : public BakeKind<TransferInput, Transfer> {
 /// The light of an environment, as transfer meets it, and the time that it took.
 struct LightUpdate {
   KeptLight kept;
-  double ms = 0.0;  ///< from the request to the sums on the device
+  double left_out = 0.0;  ///< light_left_out
+  double ms = 0.0;        ///< from the request to the sums on the device
 };
 
 /// The transfer of a scene on the GPU, under the light at hand.

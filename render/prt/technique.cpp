@@ -35,10 +35,17 @@ std::vector<SettingDeclaration> compression_settings() {
        .max = kMostTransferComponents,
        .help = "components of the transfer in each cluster; 0: its mean alone"},
       {.name = "prt.btf_components",
-       .default_value = 2,
+       .default_value = kMostMaterialComponents,
        .min = 0,
        .max = kMostMaterialComponents,
-       .help = "eigen-textures of the material, besides the mean, whose transfer is computed"},
+       .help = "eigen-textures of a material, besides the mean, whose transfer is computed at most"},
+      {.name = "prt.btf_error",
+       .default_value = 2.0,
+       .min = 0.0,
+       .max = 100.0,
+       .unit = "%",
+       .help = "a material gets the fewest eigen-textures that miss no more of what it reflects of lights 90 degrees "
+               "wide (RMS); 0: prt.btf_components alone counts"},
       {.name = "prt.bounces",
        .default_value = 0,
        .min = 0,
@@ -137,7 +144,7 @@ Technique prt_technique() {
     return std::nullopt;
   };
   info.add_passes = [](const PlanInput& input, ShadingPlan* shading, FramePlan* plan) {
-    const TransferForm form = choose_transfer_form(input.settings, input.facts.triangle_count);
+    const TransferForm form = choose_transfer_form(input.settings, input.facts);
     plan->passes.push_back({"transfer_vertices",
                             (form.joint ? "light of every vertex, by function of the materials; joint form: "
                                         : "light of every vertex, by component; form by views: ") +
@@ -164,7 +171,8 @@ Technique prt_technique() {
       {Word::Kind::counter, "prt_vertices", "with precomputed transfer"},
       {Word::Kind::counter, "prt_vertex_bytes", "of weights and clusters a vertex takes"},
       {Word::Kind::counter, "prt_coefficients", "of the light that are kept"},
-      {Word::Kind::counter, "prt_error", "RMS of the transfer's compression, relative"},
+      {Word::Kind::counter, "prt_error",
+       "RMS of what light, transfer and materials lose in their factorisations, relative"},
       {Word::Kind::counter, "prt_pixels_without", "of the mode's parts that have no transfer, and stay black"},
       {Word::Kind::counter, "light_update_ms", "of the last change of light, until its sums are on the device"},
       {Word::Kind::pass, "bake_prt",

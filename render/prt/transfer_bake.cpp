@@ -24,29 +24,27 @@ struct BlockPlace {
   std::size_t group = 0;
   int view = -1;  ///< -1: the mean; in the joint form a function of the material
 };
-using JointBtfs = std::vector<std::shared_ptr<const JointBtf>>;  ///< [group]
+using MaterialFits = std::vector<MaterialFit>;  ///< [group]
 
-std::uint64_t hash_of_fits(const JointBtfs& joints) {
+std::uint64_t hash_of_fits(const MaterialFits& fits) {
   std::uint64_t hash = 0;
-  for (const auto& joint : joints) {
-    for (const std::vector<float>& functions : joint->functions) hash = chain_hash(functions, hash);
-    hash = chain_hash(joint->texels, hash);
+  for (const MaterialFit& fit : fits) {
+    if (!fit.joint) continue;
+    for (const std::vector<float>& functions : fit.joint->functions) hash = chain_hash(functions, hash);
+    hash = chain_hash(fit.joint->texels, hash);
   }
   return hash;
 }
 
-int components_of(const TransferJob& job, std::size_t group) {
-  return std::min(job.options.btf_components, job.materials[group]->components);
-}
-
-std::vector<BlockPlace> places_of(const TransferJob& job, const JointBtfs& joints) {
+std::vector<BlockPlace> places_of(const TransferJob& job, const MaterialFits& fits) {
   std::vector<BlockPlace> places;
-  for (std::size_t g = 0; g < joints.size(); ++g)
-    for (std::size_t f = 0; f < joints[g]->function_count(); ++f) places.push_back({g, static_cast<int>(f)});
-  if (job.options.joint) return places;
-  for (std::size_t g = 0; g < job.materials.size(); ++g) {
+  for (std::size_t g = 0; g < fits.size(); ++g) {
+    if (fits[g].joint) {
+      for (std::size_t f = 0; f < fits[g].joint->function_count(); ++f) places.push_back({g, static_cast<int>(f)});
+      continue;
+    }
     places.push_back({g, -1});
-    if (components_of(job, g) == 0) continue;
+    if (fits[g].components == 0) continue;
     for (std::size_t v = 0; v < job.materials[g]->views.size(); ++v) places.push_back({g, static_cast<int>(v)});
   }
   return places;
@@ -81,15 +79,15 @@ class Run {
       }
     }
     if (!fit_materials()) return nullptr;
-    wanted_.fit = hash_of_fits(joints_);
-    places_ = places_of(job_, joints_);
+    wanted_.fit = hash_of_fits(fits_);
+    places_ = places_of(job_, fits_);
     blocks_.resize(places_.size());
     check_manifest(transfer.get());
     baked_from_world_ = transfer->baked_from_world;
     load_blocks();
     if (!job_.may_make && done_ < blocks_.size()) fail_incomplete();
     if (!make_blocks(transfer->mesh, false) || !await_others(transfer->mesh)) return nullptr;
-    assemble(job_, joints_, transfer->mesh, std::move(blocks_), bake_.get());
+    assemble(job_, fits_, transfer->mesh, std::move(blocks_), bake_.get());
     transfer->bake = bake_;
     if (progress_) progress_(1.0);
     return transfer;
@@ -98,9 +96,9 @@ class Run {
  private:
   bool fit_materials() {
     for (const auto& material : job_.materials) {
-      if (!job_.options.joint) break;
-      joints_.push_back(fit_joint_btf(*material, {job_.options.texel_clusters, job_.options.btf_components}, cancel_));
-      if (!joints_.back()) return false;
+      std::optional<MaterialFit> fit = fit_material(*material, job_.options, cancel_);
+      if (!fit) return false;
+      fits_.push_back(std::move(*fit));
     }
     return true;
   }
@@ -186,7 +184,7 @@ class Run {
 
   std::size_t matrices_of(std::size_t b) const {
     if (job_.options.joint) return job_.materials[places_[b].group]->views.size();
-    return places_[b].view < 0 ? 1 : static_cast<std::size_t>(components_of(job_, places_[b].group));
+    return places_[b].view < 0 ? 1 : static_cast<std::size_t>(fits_[places_[b].group].components);
   }
 
   /// Those of this process, or `all` that are missing.
@@ -271,7 +269,7 @@ class Run {
 
   TransferBlock make_joint_block(const std::function<const LightTable&(std::size_t)>& table, std::size_t b,
                                  const std::vector<std::uint32_t>& vertices) const {
-    const JointBtf& joint = *joints_[places_[b].group];
+    const JointBtf& joint = *fits_[places_[b].group].joint;
     const int function = places_[b].view, stride = static_cast<int>(joint.function_count());
     const auto of_view = [&](std::size_t v) {
       const LightTable& lights = table(v);
@@ -317,12 +315,12 @@ class Run {
     transfer.key = job_.key;
     transfer.mesh = mesh;
     transfer.baked_from_world = baked_from_world_;
-    TransferJob of_means = job_;
-    of_means.options.btf_components = 0;
+    MaterialFits of_means = fits_;
+    for (MaterialFit& fit : of_means) fit.components = 0;
     auto bake = std::make_shared<TransferBake>();
     bake->positions = bake_->positions;
     bake->occluders = bake_->occluders;
-    assemble(of_means, {}, mesh, std::move(means), bake.get());
+    assemble(job_, of_means, mesh, std::move(means), bake.get());
     transfer.bake = std::move(bake);
     job_.preview(transfer);
   }
@@ -345,9 +343,9 @@ class Run {
   }
 
   /// Stacks the light sides of all blocks, in their order, whoever made them.
-  static void assemble(const TransferJob& job, const JointBtfs& joints, const TransferMesh& mesh,
+  static void assemble(const TransferJob& job, const MaterialFits& fits, const TransferMesh& mesh,
                        std::vector<TransferBlock> blocks, TransferBake* bake) {
-    const std::vector<BlockPlace> places = places_of(job, joints);
+    const std::vector<BlockPlace> places = places_of(job, fits);
     bake->options = job.options;
     bake->blocks = blocks.size();
     std::vector<std::vector<std::uint32_t>> vertices = vertices_of_groups(mesh, job.materials.size());
@@ -362,8 +360,7 @@ class Run {
       TransferGroup& group = bake->groups[places[b].group];
       if (!group.material) {
         group.material = job.materials[places[b].group];
-        if (job.options.joint) group.joint = joints[places[b].group];
-        group.components = job.options.joint ? group.joint->terms - 1 : components_of(job, places[b].group);
+        group.fit = fits[places[b].group];
         group.vertices = std::move(vertices[places[b].group]);
       }
       for (TransferMatrix& matrix : blocks[b]) {
@@ -375,8 +372,14 @@ class Run {
         group.matrices.push_back(std::move(matrix));
       }
     }
-    for (TransferGroup& group : bake->groups) sum_errors(&group);
-    bake->error = count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
+    bake->compression = count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
+    double lost = 0.0, all = 0.0;
+    for (TransferGroup& group : bake->groups) {
+      sum_errors(&group);
+      lost += static_cast<double>(group.vertices.size()) * group.fit.error * group.fit.error;
+      all += static_cast<double>(group.vertices.size());
+    }
+    bake->materials = all > 0.0 ? std::sqrt(lost / all) : 0.0;
   }
 
   static void sum_errors(TransferGroup* group) {
@@ -412,7 +415,7 @@ class Run {
   glm::dmat3 baked_from_world_{1.0};
   std::vector<glm::vec3> occluders_;
   Bounces bounces_;
-  JointBtfs joints_;
+  MaterialFits fits_;
   std::vector<TransferBlock> blocks_;
   std::size_t done_ = 0;
   RankPatience patience_;
@@ -421,7 +424,7 @@ class Run {
 }  // namespace
 
 std::size_t TransferBake::bytes_per_vertex(const TransferGroup& group) const {
-  const std::size_t records = group.joint ? group.joint->function_count() : group.matrices.size();
+  const std::size_t records = group.fit.joint ? group.fit.joint->function_count() : group.matrices.size();
   return records * static_cast<std::size_t>(1 + options.components) * sizeof(std::uint16_t);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,7 +22,8 @@ struct TransferOptions {
   int rays = 2;            ///< a side of the points of its texels
   int clusters = 32;       ///< of each view and component
   int components = 6;      ///< of the transfer
-  int btf_components = 2;  ///< of the materials
+  int btf_components = 8;  ///< of the materials, at most
+  double btf_error = 0.0;  ///< of a material, that decides how many: MaterialFit; 0: all that btf_components allows
   int bounces = 0;         ///< reflections between parts; from 1 on transfer is by colour
   /// All views in one factorisation of material and of transfer, instead of one for each view.
   bool joint = false;
@@ -51,6 +53,18 @@ struct TransferJob {
   std::function<void(const struct Transfer&)> preview;
 };
 
+/// A material as its transfer is computed.
+struct MaterialFit {
+  int components = 0;  ///< the fewest whose error is at most TransferOptions::btf_error, or what its limit allows
+  /// RMS of what is left away over views, texels and the lights of reflect_broad_lights, relative to what the material
+  /// reflects.
+  double error = 0.0;
+  std::shared_ptr<const JointBtf> joint;  ///< in the joint form
+};
+/// Of a material; without a value once cancelled.
+std::optional<MaterialFit> fit_material(const Btf& material, const TransferOptions& options,
+                                        const std::atomic<bool>& cancel);
+
 /// What a bake was made of: written into its files, and compared with what is asked for.
 struct TransferProvenance {
   std::string scene;
@@ -60,6 +74,7 @@ struct TransferProvenance {
   std::uint64_t shape = 0;      ///< hash of what a rigid motion leaves as it is
   int faces = 0, rays = 0, clusters = 0, components = 0, btf_components = 0, bounces = 0;
   int texel_clusters = 0;  ///< 0: the form by views
+  double btf_error = 0.0;
   /// Hash of the joint factorisations of the materials, whose functions the blocks are transfer of; 0: the form by
   /// views, or not computed yet.
   std::uint64_t fit = 0;
@@ -69,8 +84,7 @@ struct TransferProvenance {
 /// Transfer of one material's vertices.
 struct TransferGroup {
   std::shared_ptr<const Btf> material;
-  std::shared_ptr<const JointBtf> joint;  ///< in the joint form
-  int components = 0;                     ///< of the material, at most TransferOptions::btf_components
+  MaterialFit fit;
   std::vector<std::uint32_t> vertices;
   /// First that of the mean, which is the same for all views, then [view][component]. Their q is in the table. In the
   /// joint form [function][view]; those of a function's first view hold clusters and weights of all its views.
@@ -78,7 +92,7 @@ struct TransferGroup {
   std::vector<std::size_t> rows;  ///< [matrix] first row in TransferBake::table
   std::vector<float> errors;      ///< [vertex] RMS of compression over all matrices, relative to the group's transfer
   std::size_t matrix_of(std::size_t view, int component) const {
-    return 1 + view * static_cast<std::size_t>(components) + static_cast<std::size_t>(component);
+    return 1 + view * static_cast<std::size_t>(fit.components) + static_cast<std::size_t>(component);
   }
 };
 
@@ -91,7 +105,9 @@ struct TransferBake {
   std::vector<glm::vec3> positions;    ///< of the vertices, m
   std::vector<glm::vec3> occluders;    ///< some points of what casts shadows, m
   std::size_t reused = 0, blocks = 0;  ///< blocks that an earlier run had made, and all
-  double error = 0.0;                  ///< RMS of compression relative to the RMS of the transfer, over all matrices
+  double compression = 0.0;            ///< RMS of compression relative to the RMS of the transfer, over all matrices
+  double materials = 0.0;              ///< RMS of MaterialFit::error over the vertices
+  double error() const { return std::hypot(compression, materials); }  ///< of all that was factorised
   double bounce_seconds = 0.0;   ///< time that reflections took, beside that of larger matrices; 0: none, or loaded
   std::size_t bounce_bytes = 0;  ///< memory that they took
   /// Bytes of weights and clusters that a vertex of a group takes.

@@ -25,6 +25,11 @@ std::map<std::string, std::string> attributes_of(const TransferProvenance& p) {
                                                 {"clusters", std::to_string(p.clusters)},
                                                 {"components", std::to_string(p.components)},
                                                 {"btf_components", std::to_string(p.btf_components)}};
+  if (p.btf_error > 0.0) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", p.btf_error);
+    attributes["btf_error"] = text;
+  }
   if (p.bounces > 0) attributes["bounces"] = std::to_string(p.bounces);
   if (p.texel_clusters > 0) attributes["texel_clusters"] = std::to_string(p.texel_clusters);
   if (p.fit != 0) attributes["fit"] = hex(p.fit);
@@ -101,19 +106,21 @@ TransferManifest load_transfer_manifest(const std::string& path) {
   };
   const auto small = [&](const char* name) { return static_cast<int>(number(path, file, name)); };
   TransferManifest manifest;
-  manifest.provenance = {attribute(path, file, "scene"),
-                         hash("geometry"),
-                         hash("occluders"),
-                         hash("materials"),
-                         hash("shape"),
-                         small("faces"),
-                         small("rays"),
-                         small("clusters"),
-                         small("components"),
-                         small("btf_components"),
-                         file.attributes.contains("bounces") ? small("bounces") : 0,
-                         file.attributes.contains("texel_clusters") ? small("texel_clusters") : 0,
-                         file.attributes.contains("fit") ? hash("fit") : 0};
+  manifest.provenance = {
+      attribute(path, file, "scene"),
+      hash("geometry"),
+      hash("occluders"),
+      hash("materials"),
+      hash("shape"),
+      small("faces"),
+      small("rays"),
+      small("clusters"),
+      small("components"),
+      small("btf_components"),
+      file.attributes.contains("bounces") ? small("bounces") : 0,
+      file.attributes.contains("texel_clusters") ? small("texel_clusters") : 0,
+      file.attributes.contains("btf_error") ? std::strtod(attribute(path, file, "btf_error").c_str(), nullptr) : 0.0,
+      file.attributes.contains("fit") ? hash("fit") : 0};
   manifest.positions = points_of(path, file, "vertices", number(path, file, "vertices"));
   manifest.occluders = points_of(path, file, "occluders", number(path, file, "occluder_points"));
   manifest.blocks = number(path, file, "blocks");

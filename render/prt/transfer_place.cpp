@@ -45,6 +45,12 @@ std::string option_difference(const TransferProvenance& found, const TransferPro
   if (found.components != wanted.components) return differ("prt.components", found.components, wanted.components);
   if (found.btf_components != wanted.btf_components)
     return differ("prt.btf_components", found.btf_components, wanted.btf_components);
+  if (found.btf_error != wanted.btf_error) {
+    char text[80];
+    std::snprintf(text, sizeof text, "prt.btf_error %.6g instead of %.6g", 100.0 * found.btf_error,
+                  100.0 * wanted.btf_error);
+    return text;
+  }
   if (found.bounces != wanted.bounces) return differ("prt.bounces", found.bounces, wanted.bounces);
   if (found.texel_clusters != wanted.texel_clusters)
     return differ("prt.texel_clusters", found.texel_clusters, wanted.texel_clusters);
@@ -120,6 +126,7 @@ TransferProvenance provenance_of(const TransferJob& job, const TransferMesh& mes
   p.clusters = job.options.clusters;
   p.components = job.options.components;
   p.btf_components = job.options.btf_components;
+  p.btf_error = job.options.btf_error;
   p.bounces = job.options.bounces;
   if (job.options.joint) {
     p.texel_clusters = job.options.texel_clusters;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/btf/btf_source.h"
 #include "render/materials/texture_atlas.h"
 #include "render/reflections/reflectors.h"
 #include "render/scene_state/enclosure.h"
@@ -77,7 +78,7 @@ float least_roughness(const Material& material) {
 
 void count_tables(const std::vector<Material>& materials, const std::vector<bool>& used, SceneFacts* facts) {
   facts->measured_count = facts->analytic_count = 0;
-  facts->has_sheen = facts->has_clearcoat = false;
+  facts->has_btf = facts->has_sheen = facts->has_clearcoat = false;
   facts->least_roughness = SceneFacts().least_roughness;
   const Material default_material;
   for (std::size_t i = 0; i < used.size(); ++i) {
@@ -85,6 +86,7 @@ void count_tables(const std::vector<Material>& materials, const std::vector<bool
     const Material& material = i < materials.size() ? materials[i] : default_material;
     const bool measured = !material.measured.empty();
     ++(measured ? facts->measured_count : facts->analytic_count);
+    facts->has_btf |= is_btf_source(material.measured);
     facts->has_sheen |= !measured && material.sheen_color != glm::vec3(0.0f);
     facts->has_clearcoat |= !measured && material.clearcoat > 0.0f;
     if (!material.glass && material.alpha_mode != AlphaMode::blend)

@@ -18,12 +18,13 @@ struct SceneFacts {
   std::size_t triangle_count = 0;
   int measured_count = 0;
   int analytic_count = 0;
+  bool has_btf = false;
   bool has_textures = false;
   bool has_normal_maps = false;
   bool has_mask = false;
   bool has_glass = false;
   bool has_blended = false;  ///< transparent materials of which a share is a surface
-  bool has_sheen = false;  ///< of materials without a table, as the next
+  bool has_sheen = false;    ///< of materials without a table, as the next
   bool has_clearcoat = false;
   MaterialDetails details;
   bool has_punctual_lights = false;
@@ -35,8 +36,8 @@ struct SceneFacts {
 };
 /// Of the narrowest lobe of a material without a table; 0 where a texture may say anything.
 float least_roughness(const Material& material);
-/// Sets what measured tables have a say in: counts of materials, sheen, clearcoat, roughness. `used`: by index, one
-/// more for the default material.
+/// Sets what measured tables have a say in: counts of materials, BTFs, sheen, clearcoat, roughness. `used`: by index,
+/// one more for the default material.
 void count_tables(const std::vector<Material>& materials, const std::vector<bool>& used, SceneFacts* facts);
 SceneFacts compute_facts(const Scene& scene, int variant);
 

@@ -45,6 +45,9 @@ class TransferBench {
  public:
   explicit TransferBench(Stage& stage) : stage_(stage) {
     settings_.set("prt.vertices", 20000);
+    // As many components for every cover; --set prt.btf_error chooses by the error.
+    settings_.set("prt.btf_components", 2);
+    settings_.set("prt.btf_error", 0.0);
     settings_.set("shading.visibility", std::string("none"));
     for (const auto& [name, value] : stage.options().settings) settings_.set_from_text(name, value);
   }

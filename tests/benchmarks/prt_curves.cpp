@@ -104,6 +104,9 @@ class ClothBench {
     Settings s;
     s.set("prt.faces", faces);
     s.set("prt.components", components);
+    // As many components for every cover; --set prt.btf_error chooses by the error.
+    s.set("prt.btf_components", 2);
+    s.set("prt.btf_error", 0.0);
     s.set("shading.visibility", std::string("none"));
     for (const auto& [name, value] : stage_.options().settings) s.set_from_text(name, value);
     s.set("prt.bake", (std::filesystem::path(stage_.options().scratch) /

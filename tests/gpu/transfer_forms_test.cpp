@@ -102,15 +102,24 @@ TEST_F(TransferForms, MirroredRaysShowTheJointForm) {
 }
 
 TEST_F(TransferForms, ThePlanSaysWhichFormAndWhy) {
+  const auto facts = [](std::size_t triangles, bool has_btf = false) {
+    SceneFacts found;
+    found.triangle_count = triangles;
+    found.has_btf = has_btf;
+    return found;
+  };
   Settings settings;
-  EXPECT_FALSE(choose_transfer_form(settings, 40000).joint);
-  EXPECT_NE(choose_transfer_form(settings, 40000).reason.find("20000 vertices"), std::string::npos);
-  EXPECT_TRUE(choose_transfer_form(settings, 400000).joint);
-  EXPECT_NE(choose_transfer_form(settings, 400000).reason.find("more than 256"), std::string::npos);
+  EXPECT_FALSE(choose_transfer_form(settings, facts(40000)).joint);
+  EXPECT_NE(choose_transfer_form(settings, facts(40000)).reason.find("20000 vertices"), std::string::npos);
+  EXPECT_TRUE(choose_transfer_form(settings, facts(400000)).joint);
+  EXPECT_NE(choose_transfer_form(settings, facts(400000)).reason.find("more than 256"), std::string::npos);
+  // Materials without a BTF never get many components.
+  EXPECT_FALSE(choose_transfer_form(settings, facts(100000)).joint);
+  EXPECT_TRUE(choose_transfer_form(settings, facts(100000, true)).joint);
   settings.set("prt.vertices", 200000);
-  EXPECT_TRUE(choose_transfer_form(settings, 100).joint);
+  EXPECT_TRUE(choose_transfer_form(settings, facts(100)).joint);
   settings.set("prt.form", std::string("views"));
-  EXPECT_FALSE(choose_transfer_form(settings, 400000).joint);
+  EXPECT_FALSE(choose_transfer_form(settings, facts(400000)).joint);
   const GlContext context = GlContext::create_headless();
   Renderer renderer;
   renderer.set_scene(covered_plate());

@@ -68,6 +68,40 @@ TEST_F(TransferMode, AgreesWithTheReferenceUnderASmoothSky) {
   EXPECT_LT(relative_difference(drawn.picture, reference), 0.06);
 }
 
+TEST_F(TransferMode, ComponentsAreChosenByTheErrorThatIsSaid) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  auto scene = std::make_shared<Scene>(*covered_plate());
+  save_btf(path("small.exr"), *test::small_btf(4, 6));
+  renderer.set_scene(scene);
+  auto sky = std::make_shared<Environment>(*test::constant_sky(0.2f));
+  for (int y = 0; y < sky->height / 3; ++y)
+    for (int x = 0; x < sky->width / 4; ++x) sky->rgb[static_cast<std::size_t>(y * sky->width + x)] = glm::vec3(8.0f);
+  renderer.set_environment(sky);
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.parts", std::string("plate"));
+  request.settings.set("prt.clusters", 81);  // of as many vertices: nothing is lost there
+  request.settings.set("prt.coefficients", 1024);
+  const auto draw_with = [&](int most, double error) {
+    request.settings.set("prt.btf_components", most);
+    request.settings.set("prt.btf_error", error);
+    return draw(&renderer, request);
+  };
+  const Drawn all = draw_with(8, 0.0), one = draw_with(1, 0.0), chosen = draw_with(8, 2.0);
+  const auto said = [](const Drawn& drawn) { return drawn.stats.technique.at("prt_error"); };
+  const double missed = relative_difference(one.picture, all.picture);
+  EXPECT_GT(missed, 0.005);
+  // What is said is an RMS over views and lights; here is one view, and one sky.
+  EXPECT_GT(said(one), 0.6 * missed);
+  EXPECT_LT(said(one), 2.0 * missed);
+  EXPECT_LT(said(chosen), 0.022);
+  EXPECT_LT(relative_difference(chosen.picture, all.picture), 0.02);
+  // Light that is left out is said too.
+  request.settings.set("prt.coefficients", 2);
+  const Drawn dim = draw(&renderer, request);
+  EXPECT_GT(said(dim), said(chosen) + 0.01);
+}
+
 TEST_F(TransferMode, StandsBtfsOfOneViewAndOfTwo) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

@@ -1,8 +1,8 @@
 # Read by ctest when it starts (TEST_INCLUDE_FILES): registers the cases of each fixture of a test program as one test, so
 # that they share a process and what it has compiled. Variables: program, folder (the tests' name begins with it), results
-# (a folder: each test leaves its cases there as JSON), slow_cases (a file), properties (of each test).
+# (a folder: each test leaves its cases there as JSON), slow_cases (files), properties (of each test).
 #
-# Cases that the file of slow cases names run only with MAQUETTE_ALL_TESTS in the environment, each as a test of its own.
+# Cases that the files of slow cases name run only with MAQUETTE_ALL_TESTS in the environment, each as a test of its own.
 cmake_policy(VERSION 3.25)
 execute_process(COMMAND ${program} --gtest_list_tests OUTPUT_VARIABLE listing RESULT_VARIABLE failed ERROR_VARIABLE message)
 if(failed)
@@ -11,7 +11,11 @@ if(failed)
   return()
 endif()
 
-file(STRINGS ${slow_cases} slow REGEX "^[^#]")
+set(slow)
+foreach(file IN LISTS slow_cases)
+  file(STRINGS ${file} cases REGEX "^[^#]")
+  list(APPEND slow ${cases})
+endforeach()
 list(TRANSFORM slow REPLACE "[ \t].*" "")
 
 function(register_suite name filter)

@@ -28,7 +28,8 @@ int run_bake(const CommandLine& line) {
                             options.output,
                             [&] { return std::make_shared<const Environment>(load_environment(options.environment)); },
                             glm::radians(options.env_rotation_deg),
-                            options.env_scale};
+                            options.env_scale,
+                            options.settings_given};
   const SceneOptions usual;
   if (!command.of_light && (options.environment != usual.environment ||
                             options.env_rotation_deg != usual.env_rotation_deg || options.env_scale != usual.env_scale))

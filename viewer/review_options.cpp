@@ -1,5 +1,7 @@
 #include "viewer/review_options.h"
 
+#include "render/bake/bake_settings.h"
+#include "render/technique/registry.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
@@ -62,6 +64,7 @@ Look look_of_review(const Review& review, const Scene& scene, const SceneOptions
     look.exposure_ev = asked.exposure_ev;
   }
   if (given("--tonemap")) look.tonemap = asked.tonemap;
+  check_given_settings(builtin_registry(), look.settings, options.settings_given, scene.name);
   return look;
 }
 

@@ -324,6 +324,7 @@ Look look_of_options(const Scene& scene, const SceneOptions& options) {
   look.auto_exposure = !options.exposure_ev;
   look.exposure_ev = options.exposure_ev.value_or(0.0f);
   look.tonemap = options.tonemap;
+  check_given_settings(builtin_registry(), look.settings, options.settings_given, scene.name);
   return look;
 }
 

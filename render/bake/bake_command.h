@@ -25,6 +25,7 @@ struct BakeRequest {
   /// Loads the environment, for bakes of light; called only by them. Null: there is none.
   std::function<std::shared_ptr<const Environment>()> environment = {};
   float env_rotation_rad = 0.0f, env_scale = 1.0f;
+  std::vector<std::string> given = {};  ///< settings that the user has set, defaults too
 };
 
 struct BakeControl {

@@ -21,4 +21,11 @@ Settings with_settings_of(const std::string& folder, Settings settings, const st
 /// for this scene.
 Settings with_settings_of_bakes(const Registry& registry, Settings settings, const std::string& scene);
 
+/// Throws UsageError where one of `given`, which the user has set, is not what such a folder says of it.
+void check_given_settings(const Registry& registry, const Settings& settings, const std::vector<std::string>& given,
+                          const std::string& scene);
+/// The same for one folder and the `names` of its bake.
+void check_given_settings(const std::string& folder, const Settings& settings, const std::vector<std::string>& given,
+                          const std::vector<std::string>& names);
+
 }  // namespace maquette

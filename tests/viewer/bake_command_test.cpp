@@ -71,7 +71,13 @@ TEST(BakeCommand, TheFolderKnowsItsSettings) {
                       other = draw({"--set", "slf.texels=64"});
   EXPECT_EQ(plain.exit_code, 0) << plain.error;
   EXPECT_EQ(same.exit_code, 0) << same.error;
-  EXPECT_EQ(other.exit_code, 1) << "both are given, and differ";
+  EXPECT_EQ(other.exit_code, 2) << "both are given, and differ";
+  const int usual = Settings().get_int("slf.directions");
+  ASSERT_NE(usual, 4);
+  const ProgramResult as_declared = draw({"--set", "slf.directions=" + std::to_string(usual)});
+  EXPECT_EQ(as_declared.exit_code, 2) << "what is declared is given too";
+  EXPECT_NE(as_declared.error.find("was made with 4"), std::string::npos) << as_declared.error;
+  EXPECT_EQ(bake({"-o", at, "--set", "slf.paths=" + std::to_string(Settings().get_int("slf.paths"))}).exit_code, 2);
   // The same command without the settings resumes.
   const ProgramResult again = run_maquette({"bake", "slf", "builtin:sphere", "--env", "builtin:studio", "-o", at});
   EXPECT_EQ(again.exit_code, 0) << again.error;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "scenes/error.h"
+#include "scenes/files.h"
 #include "scenes/gltf_document.h"
 
 namespace maquette::gltf {
@@ -215,8 +216,12 @@ class MaterialReader {
     if (extras == nullptr) return;
     const std::string where = where_ + ".extras.maquette";
     out_.measured = read_text(*extras, "measured", where);
-    if (!out_.measured.empty() && !out_.measured.starts_with("builtin:"))
+    if (!out_.measured.empty() && !out_.measured.starts_with("builtin:")) {
       out_.measured = (std::filesystem::path(document_.path).parent_path() / out_.measured).lexically_normal().string();
+      // What a file names is no device and no pipe: these have no end.
+      if (is_written_through(out_.measured))
+        throw Error(where + ".measured", out_.measured + " is no regular file", "name a table");
+    }
     out_.tint_measured = read_flag(*extras, "tint_measured", false, where);
     out_.glass = read_flag(*extras, "glass", out_.glass, where);
   }

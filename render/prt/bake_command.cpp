@@ -42,6 +42,8 @@ void run(const BakeRequest& request, const BakeControl& control) {
   const Settings settings = with_settings_of(existing, request.settings, names);
   const TransferJob job = make_job(request, settings);
   BakeRanks ranks = ranks_from_environment();
+  if (ranks.rank == 0)
+    for (const std::string& line : job.left_out) control.report(line);
   if (ranks.rank == 0 && !folder.empty()) begin_bake_settings(job.folder, settings, names);
   ranks.say = [&](const std::string& text) {
     if (ranks.rank == 0) control.report(text);

@@ -26,6 +26,31 @@ bool is_opaque(const Material& material) {
   return !(pane_share(material) > 0.0f) && material.alpha_mode != AlphaMode::blend;
 }
 
+/// Of the surfaces that are shown: those of the mode's parts that stay black, and shadows that are not as they should
+/// be.
+std::vector<std::string> find_left_out(const TransferInput& input, bool parts_alone) {
+  const std::vector<bool> named = named_nodes(*input.scene, input.settings.get_string("prt.parts"));
+  std::vector<std::string> lines;
+  const auto say = [&](const std::string& line) {
+    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+  };
+  for (const DrawItem& item : input.geometry->items) {
+    const auto node = static_cast<std::size_t>(std::max(item.node, 0));
+    if (item.node >= 0 && !input.scene->nodes[node].visible) continue;
+    const bool wanted = item.node < 0 || (named[node] && (input.nodes.empty() || input.nodes[node]));
+    const Material material = material_of(input, item);
+    if (wanted && !is_opaque(material))
+      say("no transfer for surfaces of " + material.name + ": they are glass or blended, and their own light is missing");
+    if (parts_alone && !wanted) continue;
+    if (material.alpha_mode == AlphaMode::mask)
+      say("radiance transfer takes surfaces of " + material.name +
+          " as whole where they cast shadows: they are cut out");
+    if (material.alpha_mode == AlphaMode::blend)
+      say("radiance transfer has no shadow of surfaces of " + material.name + ": they are blended");
+  }
+  return lines;
+}
+
 std::string part_name(const Scene& scene, const DrawItem& item) {
   const std::string name = item.node >= 0 ? scene.nodes[static_cast<std::size_t>(item.node)].name : std::string();
   return name.empty() ? "node " + std::to_string(item.node) : "part " + name;
@@ -161,6 +186,7 @@ TransferJob make_transfer_job(const TransferInput& input, const std::string& fol
       throw Error(part_name(*input.scene, item), "precomputed radiance transfer cannot hold it: " + fault,
                   "shade it by another mode (--mode-of), or leave it out (prt.parts)");
   }
+  job.left_out = find_left_out(input, job.options.parts_alone);
   const std::shared_ptr<const PathScene> scene = material_scene(input, library);
   std::map<int, std::uint32_t> group_of_material;
   job.occluding.assign(input.geometry->items.size(), false);

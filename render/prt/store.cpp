@@ -104,6 +104,7 @@ bool TransferStore::update_light(const SceneState& scene, const FrameRequest& re
 std::vector<std::string> TransferStore::notes() const {
   std::vector<std::string> notes;
   if (!transfer_) return notes;
+  notes = transfer_->left_out;
   if (!transfer_->stale.empty()) notes.push_back("the radiance transfer is stale: " + transfer_->stale);
   if (held_ && shown_ != wanted_)
     notes.push_back(

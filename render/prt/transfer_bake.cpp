@@ -66,6 +66,7 @@ class Run {
   std::shared_ptr<const Transfer> make(const std::shared_ptr<const TransferBake>& last) {
     auto transfer = std::make_shared<Transfer>();
     transfer->key = job_.key;
+    transfer->left_out = job_.left_out;
     transfer->mesh = make_transfer_mesh(*job_.geometry, job_.parts, job_.options.vertices);
     occluders_ = occluder_points(job_);
     wanted_ = provenance_of(job_, transfer->mesh);
@@ -313,6 +314,7 @@ class Run {
       if (block.empty()) return;  // another process makes it
     Transfer transfer;
     transfer.key = job_.key;
+    transfer.left_out = job_.left_out;
     transfer.mesh = mesh;
     transfer.baked_from_world = baked_from_world_;
     MaterialFits of_means = fits_;

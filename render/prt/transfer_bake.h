@@ -42,6 +42,7 @@ struct TransferJob {
   std::vector<VertexDensity> densities;               ///< [part], where its division was chosen by an error
   std::vector<std::shared_ptr<const Btf>> materials;  ///< [group]
   std::vector<bool> occluding;                        ///< [item]
+  std::vector<std::string> left_out;                  ///< what transfer does not hold, a line each
   TransferOptions options;
   std::string key;          ///< of all that the bake depends on, before materials are factorised: transfer_key
   std::string folder;       ///< of the bake's files; empty: it is kept in memory only
@@ -118,9 +119,10 @@ struct TransferBake {
 struct Transfer {
   TransferMesh mesh;
   std::shared_ptr<const TransferBake> bake;
-  glm::dmat3 baked_from_world{1.0};  ///< rotation: the parts may have been turned since
-  std::string stale;                 ///< what has changed; empty: nothing
-  std::string key;                   ///< TransferJob::key
+  glm::dmat3 baked_from_world{1.0};   ///< rotation: the parts may have been turned since
+  std::string stale;                  ///< what has changed; empty: nothing
+  std::vector<std::string> left_out;  ///< TransferJob::left_out
+  std::string key;                    ///< TransferJob::key
 };
 
 TransferProvenance provenance_of(const TransferJob& job, const TransferMesh& mesh);

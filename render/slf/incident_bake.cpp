@@ -359,7 +359,9 @@ IncidentProvenance provenance_of(const IncidentJob& job) {
   p.geometry = chain_hash(g.positions, p.geometry);
   p.geometry = chain_hash(g.normals, p.geometry);
   p.geometry = chain_hash(g.indices, p.geometry);
+  p.geometry = chain_hash(g.uv0, p.geometry);
   p.geometry = chain_hash(g.uv1, p.geometry);
+  p.geometry = chain_hash(g.colors, p.geometry);
   p.light = chain_hash(numbers_of_light(job), job.environment ? job.environment->hash : 0);
   if (job.environment && job.environment->hash == 0) p.light = chain_hash(job.environment->rgb, p.light);
   std::vector<float> numbers;

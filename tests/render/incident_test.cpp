@@ -230,6 +230,18 @@ TEST_F(IncidentBakeFolder, SaysWhatIsWrongWithAFolder) {
     moved->positions[0].x += 0.1f;
     job->geometry = moved;
   });
+  differs("moved, dented or recoloured: /", [](IncidentJob* job) {
+    auto painted = std::make_shared<FlatGeometry>(*job->geometry);
+    for (glm::vec4& color : painted->colors) color = glm::vec4(1.0f, 0.0f, 0.0f, 1.0f);
+    ASSERT_FALSE(painted->colors.empty());
+    job->geometry = painted;
+  });
+  differs("moved, dented or recoloured: /", [](IncidentJob* job) {
+    auto mapped = std::make_shared<FlatGeometry>(*job->geometry);
+    ASSERT_FALSE(mapped->uv0.empty());
+    mapped->uv0[0].x += 0.25f;
+    job->geometry = mapped;
+  });
   differs("with texels only in it: /", [](IncidentJob* job) { job->parts.pop_back(); });
   differs("scene box instead of ball", [](IncidentJob* job) {
     auto scene = std::make_shared<Scene>(*job->scene);

@@ -374,6 +374,32 @@ TEST(RigidMotion, IsFoundOrNot) {
   EXPECT_FALSE(find_rigid_motion(points, {}));
 }
 
+TEST_F(TransferBakeTest, NamesShadowsAndSurfacesThatItDoesNotHold) {
+  Scene scene = plate_and_block();
+  scene.materials.push_back(test::matte(glm::vec3(0.3f)));
+  scene.materials.back().name = "net";
+  scene.meshes[1].primitives[0].material = 1;
+  TransferInput input;
+  MeasuredLibrary library;
+  const auto left_out = [&](AlphaMode mode, const char* parts) {
+    scene.materials[1].alpha_mode = mode;
+    input.scene = std::make_shared<Scene>(scene);
+    input.geometry = std::make_shared<const FlatGeometry>(flatten(scene));
+    input.settings.set("prt.parts", std::string(parts));
+    std::string all;
+    for (const std::string& line : make_transfer_job(input, path("out"), &library).left_out) all += line + "\n";
+    return all;
+  };
+  EXPECT_EQ(left_out(AlphaMode::opaque, "plate"), "");
+  EXPECT_NE(left_out(AlphaMode::mask, "plate").find("of net as whole where they cast shadows"), std::string::npos);
+  const std::string shadow = left_out(AlphaMode::blend, "plate"), own = left_out(AlphaMode::blend, "");
+  EXPECT_NE(shadow.find("no shadow of surfaces of net"), std::string::npos) << shadow;
+  EXPECT_EQ(shadow.find("their own light"), std::string::npos) << "another mode shades them";
+  EXPECT_NE(own.find("no transfer for surfaces of net"), std::string::npos) << own;
+  input.settings.set("prt.shadows", std::string("parts"));
+  EXPECT_EQ(left_out(AlphaMode::blend, "plate"), "");
+}
+
 TEST_F(TransferBakeTest, MaterialsBecomeBtfsOrAreRefusedByName) {
   Scene scene = plate_and_block();
   scene.materials.push_back(test::matte(glm::vec3(0.3f, 0.6f, 0.9f)));

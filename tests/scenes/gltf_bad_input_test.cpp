@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <limits>
@@ -138,6 +139,16 @@ TEST_F(GltfBadInput, MissingBuffers) {
          "buffers[0]: has 3 bytes, byteLength promises 1000000");
   expect({{{"byteLength", 3}, {"uri", "data:;base64,!!!!"}}}, "not valid base64");
   expect({{{"byteLength", 3}, {"uri", "data:nothing"}}}, "no comma");
+}
+
+TEST_F(GltfBadInput, TablesOfMaterialsAreNoDevicesAndPipes) {
+  ASSERT_EQ(::mkfifo(path("pipe.binary").c_str(), 0600), 0);
+  for (const char* table : {"/dev/zero", "../../../../../../../../../../dev/stdin", "pipe.binary"}) {
+    test::Json root = {{"asset", {{"version", "2.0"}}}};
+    root["materials"] = {{{"name", "m"}, {"extras", {{"maquette", {{"measured", table}}}}}}};
+    const std::string text = root.dump();
+    expect_error(write("scene.gltf", {text.begin(), text.end()}), "is no regular file");
+  }
 }
 
 /// A buffer without uri is valid, and its bytes are nowhere: what is made of it is left out.

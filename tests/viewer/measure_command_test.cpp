@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "review/review.h"
+#include "tests/support/test_scenes.h"
 #include "tests/viewer/run_program.h"
 #include "ui/inspection_state.h"
 #include "viewer/session.h"
@@ -96,6 +97,32 @@ TEST(MeasureCommand, FilesSayWhatTheirFiguresRestOn) {
   EXPECT_NE(read_text(csv).find("# R-point: "), std::string::npos);
   EXPECT_NE(read_text(exr).find("V1: eye "), std::string::npos);
   EXPECT_NE(read_text(exr).find("thickness 5"), std::string::npos) << "the layers are of the last step";
+}
+
+// Of a pane that a step turns out of the picture nothing is measured there; the others stay.
+TEST(MeasureCommand, AStepThatDoesNotShowThePaneLosesNoOther) {
+  const TemporaryFolder folder;
+  Scene scene;
+  scene.materials = {test::matte(glm::vec3(0.3f)), {}};
+  scene.materials[1].name = "glass";
+  scene.materials[1].glass = true;
+  scene.materials[1].transmission = 1.0f;
+  scene.materials[1].roughness = 0.0f;
+  scene.materials[1].metallic = 0.0f;
+  test::add(&scene, test::make_grid({-0.5f, -0.5f, -0.8f}, {1, 0, 0}, {0, 0, -0.6f}, 1, 0), "dash");
+  test::add(&scene, test::make_grid({-0.5f, -0.433f, -0.75f}, {1, 0, 0}, {0, 0.866f, 0.5f}, 1, 1), "windshield");
+  save_glb(folder.file("a.glb"), scene);
+  const Words words = {"measure", folder.file("a.glb"), "--eye", "0,0,0", "--target",           "0,0,-1", "--size",
+                       "24x16",   "--samples",          "1",     "-o",    folder.file("m.csv"), "--sweep"};
+  const auto sweep = [&](const char* range) {
+    Words all = words;
+    all.push_back(range);
+    return run_maquette(all);
+  };
+  const ProgramResult result = sweep("rake=30,65");
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  const std::string table = read_text(folder.file("m.csv"));
+  EXPECT_NE(table.find(",65,pane,0,0,"), std::string::npos) << table;
 }
 
 // The veil does not depend on the wedge; the ghost does.

@@ -150,16 +150,22 @@ std::optional<double> background_through(const MeasureOptions& options, const Si
          polarisation_factor(sight.pane, options.polarisation, false);
 }
 
+Error no_pane_in(const PictureRegion& region, const Scene& scene, int pane) {
+  return Error("--region " + region.name, "no pixel of it shows the pane " + thing_name(scene, pane, -1),
+               "move the region, or name another --pane");
+}
+
 RegionValues region_values(const EyeContext& context, const PictureRegion& region, const LayerPictures& pictures,
                            const std::vector<Sight>& sights) {
   const std::vector<std::size_t> pixels = pane_pixels(region, context.width, context.pane, sights);
-  if (pixels.empty())
-    throw Error("--region " + region.name,
-                "no pixel of it shows the pane " + thing_name(context.scene, context.pane, -1),
-                "move the region, or name another --pane");
   RegionValues values;
   values.name = region.name;
   values.box = region;
+  if (pixels.empty()) {
+    // A step of a sweep may turn the pane out of sight.
+    if (!context.options.sweeps.empty()) return values;
+    throw no_pane_in(region, context.scene, context.pane);
+  }
   values.pane_pixels = pixels.size();
   std::vector<double> reflected, transmitted, sum, incidence, reflectance, ghost;
   double contrast = 0.0, flat = 0.0;

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "scenes/error.h"
 #include "viewer/measure/measurement.h"
 #include "viewer/measure/traced_layers.h"
 
@@ -34,6 +35,9 @@ constexpr int kFramesOfLayer = 4;
 /// Adds what the figures rest on, and what is not modelled.
 void add_assumptions(const SceneOptions& scene_options, const MeasureOptions& options, const Scene& scene, int pane,
                      const std::string& dash, Measurement* measurement);
+
+/// For a region without a pixel that shows the pane.
+Error no_pane_in(const PictureRegion& region, const Scene& scene, int pane);
 
 /// The R-point of the options, else the place of the node `r_point`. Throws Error where there is neither.
 glm::dvec3 r_point_of(const Scene& scene, const MeasureOptions& options);

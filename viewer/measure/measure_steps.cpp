@@ -307,7 +307,7 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
       EyeValues values{eye.name, glm::dvec3(eye.view.eye), step, true, s.light, s.sun, {}, {}};
       for (const PictureRegion& region : regions) {
         values.regions.push_back(region_values(context, region, pictures, sights));
-        if (options.paths > 0)
+        if (options.paths > 0 && values.regions.back().pane_pixels > 0)
           values.regions.back().traced =
               traced_value(context, *s.paths, rays, pane_pixels(region, own.width, steps.pane(), sights), sights);
       }
@@ -321,6 +321,9 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
       if (last) *last = {std::move(pictures), sights, own};
     }
   }
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    if (std::ranges::all_of(result.eyes, [&](const EyeValues& eye) { return eye.regions[r].pane_pixels == 0; }))
+      throw no_pane_in(regions[r], *scene, steps.pane());
   for (std::size_t i = 0; i < result.eyes.size(); ++i) {
     const EyeValues &eye = result.eyes[i], &worst = result.eyes[result.worst];
     if (eye.looks_through && (!worst.looks_through || worse(eye.regions.front(), worst.regions.front())))

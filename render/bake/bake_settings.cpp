@@ -36,6 +36,31 @@ std::map<std::string, std::string> settings_of_folder(const std::string& folder,
   return found;
 }
 
+/// Throws UsageError where a folder says of one of `given` otherwise.
+void check_given(const std::string& folder, const Settings& settings, const std::vector<std::string>& names,
+                 const std::vector<std::string>& given) {
+  if (given.empty()) return;
+  std::map<std::string, std::string> said;
+  try {
+    said = settings_of_folder(folder, names);
+  } catch (const Error&) {  // damaged: the bake's own check says what does not fit
+  }
+  for (const std::string& name : given) {
+    const auto found = said.find(name);
+    if (found == said.end()) continue;
+    Settings of_folder;
+    try {
+      of_folder.set_from_text(name, found->second);
+    } catch (const Error&) {
+      continue;
+    }
+    if (of_folder.get(name) != settings.get(name))
+      throw UsageError("--set " + name + "=" + to_text(settings.get(name)),
+                       "the bake in " + folder + " was made with " + found->second,
+                       "leave it away, or name another folder");
+  }
+}
+
 /// The folders of modes' own bakes that settings name, and those of a scene in them: calls `visit` with the folder and
 /// the bake.
 template <typename Visit>
@@ -62,11 +87,13 @@ void begin_bake_settings(const std::string& folder, const Settings& settings, co
   write_file_atomically(settings_file(folder), std::as_bytes(std::span(text)));
 }
 
-Settings with_settings_of(const std::string& folder, Settings settings, const std::vector<std::string>& names) {
+Settings with_settings_of(const std::string& folder, Settings settings, const std::vector<std::string>& names,
+                          const std::vector<std::string>& given) {
+  check_given(folder, settings, names, given);
   try {
     for (const auto& [name, value] : settings_of_folder(folder, names))
       if (!settings.changed().contains(name)) settings.set_from_text(name, value);
-  } catch (const Error&) {  // damaged: the bake's own check says what does not fit
+  } catch (const Error&) {  // damaged, as above
   }
   return settings;
 }
@@ -81,32 +108,8 @@ Settings with_settings_of_bakes(const Registry& registry, Settings settings, con
 void check_given_settings(const Registry& registry, const Settings& settings, const std::vector<std::string>& given,
                           const std::string& scene) {
   for_named_bakes(registry, settings, scene, [&](const std::string& folder, const OwnBake& own) {
-    check_given_settings(folder, settings, given, own.settings);
+    check_given(folder, settings, own.settings, given);
   });
-}
-
-void check_given_settings(const std::string& folder, const Settings& settings, const std::vector<std::string>& given,
-                          const std::vector<std::string>& names) {
-  if (given.empty()) return;
-  std::map<std::string, std::string> said;
-  try {
-    said = settings_of_folder(folder, names);
-  } catch (const Error&) {  // damaged: as above
-  }
-  for (const std::string& name : given) {
-    const auto found = said.find(name);
-    if (found == said.end()) continue;
-    Settings of_folder;
-    try {
-      of_folder.set_from_text(name, found->second);
-    } catch (const Error&) {
-      continue;
-    }
-    if (of_folder.get(name) != settings.get(name))
-      throw UsageError("--set " + name + "=" + to_text(settings.get(name)),
-                       "the bake in " + folder + " was made with " + found->second,
-                       "leave it away, or name another folder");
-  }
 }
 
 }  // namespace maquette

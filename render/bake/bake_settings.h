@@ -14,18 +14,18 @@ namespace maquette {
 void begin_bake_settings(const std::string& folder, const Settings& settings, const std::vector<std::string>& names);
 
 /// With what the folder of a bake says of those of `names` that are as declared; others stay, and where they contradict
-/// the bake its own check says so. A folder without the file changes nothing.
-Settings with_settings_of(const std::string& folder, Settings settings, const std::vector<std::string>& names);
+/// the bake its own check says so. A folder without the file changes nothing. Throws UsageError where the folder
+/// contradicts one of `given`, which the user has set, also as declared.
+Settings with_settings_of(const std::string& folder, Settings settings, const std::vector<std::string>& names,
+                          const std::vector<std::string>& given = {});
 
 /// The same for every folder that the settings themselves name for a mode's own bake (`slf.bake`), or that lies in it
 /// for this scene.
 Settings with_settings_of_bakes(const Registry& registry, Settings settings, const std::string& scene);
 
-/// Throws UsageError where one of `given`, which the user has set, is not what such a folder says of it.
+/// Throws UsageError where one of `given`, which the user has set, is not what a folder of with_settings_of_bakes says
+/// of it.
 void check_given_settings(const Registry& registry, const Settings& settings, const std::vector<std::string>& given,
                           const std::string& scene);
-/// The same for one folder and the `names` of its bake.
-void check_given_settings(const std::string& folder, const Settings& settings, const std::vector<std::string>& given,
-                          const std::vector<std::string>& names);
 
 }  // namespace maquette

@@ -37,9 +37,8 @@ TransferJob make_job(const BakeRequest& request, const Settings& settings) {
 void run(const BakeRequest& request, const BakeControl& control) {
   const std::string& folder = request.folder.empty() ? request.settings.get_string("prt.bake") : request.folder;
   const std::vector<std::string> names = transfer_bake_settings();
-  const std::string existing = transfer_folder(folder, request.scene.name, "");
-  check_given_settings(existing, request.settings, request.given, names);
-  const Settings settings = with_settings_of(existing, request.settings, names);
+  const Settings settings =
+      with_settings_of(transfer_folder(folder, request.scene.name, ""), request.settings, names, request.given);
   const TransferJob job = make_job(request, settings);
   BakeRanks ranks = ranks_from_environment();
   if (ranks.rank == 0)

@@ -26,7 +26,7 @@ bool is_opaque(const Material& material) {
   return !(pane_share(material) > 0.0f) && material.alpha_mode != AlphaMode::blend;
 }
 
-/// Of the surfaces that are shown: those of the mode's parts that stay black, and shadows that are not as they should
+/// A line for each material of which parts of the mode get no light, or whose shadows on them are not as they should
 /// be.
 std::vector<std::string> find_left_out(const TransferInput& input, bool parts_alone) {
   const std::vector<bool> named = named_nodes(*input.scene, input.settings.get_string("prt.parts"));
@@ -40,7 +40,8 @@ std::vector<std::string> find_left_out(const TransferInput& input, bool parts_al
     const bool wanted = item.node < 0 || (named[node] && (input.nodes.empty() || input.nodes[node]));
     const Material material = material_of(input, item);
     if (wanted && !is_opaque(material))
-      say("no transfer for surfaces of " + material.name + ": they are glass or blended, and their own light is missing");
+      say("no transfer for surfaces of " + material.name +
+          ": they are glass or blended, and their own light is missing");
     if (parts_alone && !wanted) continue;
     if (material.alpha_mode == AlphaMode::mask)
       say("radiance transfer takes surfaces of " + material.name +

@@ -56,7 +56,7 @@ std::optional<MaterialFit> fit_material(const Btf& material, const TransferOptio
   if (cancel) return std::nullopt;
   // The joint form may have more components than the BTF, whose views it holds together.
   const int most = options.joint ? options.btf_components : std::min(options.btf_components, material.components);
-  MaterialFit fit{most, 0.0, nullptr};
+  MaterialFit fit{most, 0.0, errors.front(), nullptr};
   if (options.btf_error > 0.0)
     for (fit.components = 0; fit.components < std::min(most, material.components); ++fit.components)
       if (errors[static_cast<std::size_t>(fit.components)] <= options.btf_error) break;

@@ -318,7 +318,7 @@ class Run {
     transfer.mesh = mesh;
     transfer.baked_from_world = baked_from_world_;
     MaterialFits of_means = fits_;
-    for (MaterialFit& fit : of_means) fit.components = 0;
+    for (MaterialFit& fit : of_means) fit.components = 0, fit.error = fit.error_of_mean;
     auto bake = std::make_shared<TransferBake>();
     bake->positions = bake_->positions;
     bake->occluders = bake_->occluders;

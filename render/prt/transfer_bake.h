@@ -60,9 +60,10 @@ struct MaterialFit {
   /// RMS of what is left away over views, texels and the lights of reflect_broad_lights, relative to what the material
   /// reflects.
   double error = 0.0;
+  double error_of_mean = 0.0;             ///< the same without any component
   std::shared_ptr<const JointBtf> joint;  ///< in the joint form
 };
-/// Of a material; without a value once cancelled.
+/// How many components a material gets, and with which error. Nothing once cancelled.
 std::optional<MaterialFit> fit_material(const Btf& material, const TransferOptions& options,
                                         const std::atomic<bool>& cancel);
 

@@ -85,9 +85,8 @@ std::string time_left(double share, double seconds) {
 void run(const BakeRequest& request, const BakeControl& control) {
   const std::string& folder = request.folder.empty() ? request.settings.get_string("slf.bake") : request.folder;
   const std::vector<std::string> names = light_field_bake_settings();
-  const std::string existing = incident_folder(folder, request.scene.name, "");
-  check_given_settings(existing, request.settings, request.given, names);
-  const Settings settings = with_settings_of(existing, request.settings, names);
+  const Settings settings =
+      with_settings_of(incident_folder(folder, request.scene.name, ""), request.settings, names, request.given);
   const LightFieldJob job = make_job(request, settings, folder);
   BakeRanks ranks = ranks_from_environment();
   if (ranks.rank == 0 && !folder.empty()) begin_bake_settings(job.incident.folder, settings, names);

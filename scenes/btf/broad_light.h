@@ -17,7 +17,7 @@ Eigen::MatrixXd reflect_broad_lights(const DirectionMesh& lights, const std::vec
 double broad_light_energy(const Eigen::Ref<const Eigen::MatrixXd>& reflected,
                           const Eigen::Ref<const Eigen::MatrixXd>& gram);
 
-/// Of a view, 1 and its light weights: [light][1 + component].
+/// [light][1 + component]: 1, then the light weights of a view, as reflect_broad_lights takes them.
 std::vector<float> light_functions(const BtfView& view, int components);
 
 /// [components kept, from 0 to all]: RMS over views, texels and broad lights of what a BTF's other components reflect,

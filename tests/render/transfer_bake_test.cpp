@@ -169,6 +169,7 @@ TEST_F(TransferBakeTest, ShowsTheMeansUntilTheRestIsThere) {
   for (std::size_t g = 0; g < 2; ++g) {
     const TransferGroup &mean = shown[0].bake->groups[g], &all = whole->bake->groups[g];
     EXPECT_EQ(mean.fit.components, 0);
+    EXPECT_EQ(mean.fit.error, all.fit.error_of_mean) << "what the preview misses is said";
     ASSERT_EQ(mean.matrices.size(), 1u);
     EXPECT_EQ(mean.matrices[0].owner, all.matrices[0].owner);
     EXPECT_EQ(mean.matrices[0].weights, all.matrices[0].weights);

@@ -99,7 +99,7 @@ TEST(MeasureCommand, FilesSayWhatTheirFiguresRestOn) {
   EXPECT_NE(read_text(exr).find("thickness 5"), std::string::npos) << "the layers are of the last step";
 }
 
-// Of a pane that a step turns out of the picture nothing is measured there; the others stay.
+// Where a step of a sweep turns the pane out of the picture, nothing is measured; the other steps keep their values.
 TEST(MeasureCommand, AStepThatDoesNotShowThePaneLosesNoOther) {
   const TemporaryFolder folder;
   Scene scene;

@@ -33,10 +33,13 @@ std::string json_text(Json json, int indent = -1) {
   change_strings(&json, as_utf8);
   return json.dump(indent);
 }
-/// Throws nlohmann::json::exception, also for what is nested deeper than any document of ours.
+/// Throws nlohmann::json::exception, also for what is nested deeper, or has more values, than any document of ours.
 template <typename Json = nlohmann::json>
 Json json_from_text(const std::string& text) {
   constexpr int kDeepest = 64;
+  constexpr std::ptrdiff_t kMostValues = 2'000'000;
+  if (has_too_many_values(text, kMostValues))
+    throw Json::other_error::create(599, "it has more values than any of its kind", static_cast<Json*>(nullptr));
   if (is_nested_deeper(text, kDeepest))
     throw Json::other_error::create(599, "it is nested deeper than any of its kind", static_cast<Json*>(nullptr));
   Json json = Json::parse(text);

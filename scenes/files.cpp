@@ -182,6 +182,8 @@ std::string link_target(const std::string& path) {
     if (code) break;
     target = target.parent_path() / next;  // an absolute target replaces the path
   }
+  if (fs::is_symlink(target, code))
+    throw Error(path, "is a symbolic link that leads nowhere: a loop of links", "remove it");
   return target.string();
 }
 

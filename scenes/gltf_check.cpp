@@ -333,6 +333,18 @@ std::string within_double(std::string_view text) {
   return out;
 }
 
+/// Of what takes most memory for its text, or is stored in 16 bits in shading (materials).
+void check_counts(const std::string& path, const Json& root) {
+  constexpr std::pair<const char*, std::size_t> kMost[] = {{"nodes", 1'000'000}, {"materials", 65'535}};
+  if (!root.is_object()) return;
+  for (const auto& [name, most] : kMost)
+    if (const auto found = root.find(name); found != root.end() && found->size() > most)
+      throw Error(
+          path,
+          "has " + std::to_string(found->size()) + " " + name + ", at most " + std::to_string(most) + " are possible",
+          "join some of them and export it again");
+}
+
 Json parse_numbers_of_any_size(std::string_view text) {
   constexpr int kOverflow = 406;
   try {
@@ -349,7 +361,8 @@ Json parse_checked(const std::string& path, std::string_view text) {
   if (is_nested_deeper(text, kMaxNesting))
     throw Error(path, "JSON is nested deeper than " + std::to_string(kMaxNesting), kInvalid);
   if (has_too_many_values(text))
-    throw Error(path, "its JSON has more than 20 million values", "numbers belong into a buffer");
+    throw Error(path, "its JSON has more than 20 million values or 2 million objects",
+                "numbers belong into a buffer, small parts into one mesh");
   Json root;
   try {
     root = parse_numbers_of_any_size(text);
@@ -357,6 +370,7 @@ Json parse_checked(const std::string& path, std::string_view text) {
     throw Error(path, "is not valid JSON: " + json_fault(e.what()), "the file is damaged or not glTF");
   }
   canonicalise(&root);
+  check_counts(path, root);
   Checker(path, root).run();
   const std::string version = root["asset"]["version"].get<std::string>();
   const std::string required = root["asset"].value("minVersion", std::string("2.0"));

@@ -60,6 +60,8 @@ std::string media_type(std::string_view uri);
 std::vector<std::byte> decode_data_uri(const std::string& where, std::string_view uri);
 /// Path of a relative URI, resolved against `path`: decoded, or as it is written where only that exists.
 std::string resolve_uri(const std::string& path, std::string_view uri);
+/// True for `http:...`, `file:...`.
+bool has_scheme(std::string_view uri);
 /// Bytes of the file that a relative URI names. Throws Error, also for another scheme (`http:`, `file:`), and for what is
 /// no regular file: a device has no end.
 std::vector<std::byte> read_uri(const std::string& path, std::string_view uri);

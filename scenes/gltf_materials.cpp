@@ -217,7 +217,10 @@ class MaterialReader {
     const std::string where = where_ + ".extras.maquette";
     out_.measured = read_text(*extras, "measured", where);
     if (!out_.measured.empty() && !out_.measured.starts_with("builtin:")) {
-      out_.measured = (std::filesystem::path(document_.path).parent_path() / out_.measured).lexically_normal().string();
+      const std::string named = out_.measured;
+      out_.measured = (std::filesystem::path(document_.path).parent_path() / named).lexically_normal().string();
+      if (std::error_code code; has_scheme(named) && !std::filesystem::exists(out_.measured, code))
+        throw Error(where + ".measured", name_text(named) + " is not read: only files beside the scene are");
       // What a file names is no device and no pipe: these have no end.
       if (is_written_through(out_.measured))
         throw Error(where + ".measured", out_.measured + " is no regular file", "name a table");

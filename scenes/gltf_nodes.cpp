@@ -53,7 +53,9 @@ void check_transforms(const Document& document, const Scene& scene) {
 
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 /// Limit of the instances of a file, so that a small file of zeros cannot ask for any number of nodes.
-constexpr std::size_t kMaxInstances = std::size_t{1} << 20;
+constexpr std::size_t kMaxInstances = 500'000;
+/// Of its node's name an instance keeps so much: names may be as long as their file.
+constexpr std::size_t kMaxInstanceName = 200;
 
 /// One of the instances' attributes, or empty.
 template <int N>
@@ -108,7 +110,7 @@ void place_mesh(Document* document, std::size_t index, std::size_t node, Scene* 
   const auto add_node = [&](const glm::mat4& local, int parent, const std::string& suffix) {
     Node copy;
     const Node& source = scene->nodes[node];
-    copy.name = source.name.empty() ? std::string() : source.name + suffix;
+    copy.name = source.name.empty() ? std::string() : source.name.substr(0, kMaxInstanceName) + suffix;
     copy.parent = parent;
     copy.local = local;
     copy.mesh = mesh;

@@ -121,15 +121,19 @@ std::string resolve_uri(const std::string& path, std::string_view uri) {
   return (folder / decoded).string();
 }
 
+bool has_scheme(std::string_view uri) {
+  // Source: RFC 3986, section 3.1.
+  const std::size_t colon = uri.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.");
+  return colon != std::string_view::npos && colon > 1 && uri[colon] == ':';
+}
+
 std::vector<std::byte> read_uri(const std::string& path, std::string_view uri) {
   namespace fs = std::filesystem;
   const std::string file = resolve_uri(path, uri);
   std::error_code code;
   const fs::file_status status = fs::status(file, code);
-  // Source: RFC 3986, section 3.1.
-  const std::size_t colon = uri.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.");
-  const bool scheme = colon != std::string_view::npos && colon > 1 && uri[colon] == ':';
-  if (scheme && !fs::exists(status)) throw Error("", name_text(uri) + " is not read: only files beside the scene are");
+  if (has_scheme(uri) && !fs::exists(status))
+    throw Error("", name_text(uri) + " is not read: only files beside the scene are");
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
     throw Error(file, "is no regular file");
   return read_file(file);

@@ -78,6 +78,11 @@ std::string harmless_json(const std::string& document) {
   return out;
 }
 
+std::string without_middle(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  return text.substr(0, most / 2) + " ... " + text.substr(text.size() - most / 2);
+}
+
 std::string as_utf8(const std::string& name) {
   std::string out;
   for (std::size_t at = 0; at < name.size();) {

@@ -20,6 +20,9 @@ std::string harmless(const std::string& text, bool lines = false);
 /// The same of a JSON document, whose strings stay what they are: by JSON's own escapes.
 std::string harmless_json(const std::string& document);
 
+/// Without its middle where it has more than `most` bytes: a name may be as long as its file.
+std::string without_middle(const std::string& text, std::size_t most);
+
 /// A name for documents that must be UTF-8: of bytes that are none each becomes the private character U+10FF00 + byte.
 std::string as_utf8(const std::string& name);
 /// The name that as_utf8 made such a text of.

@@ -6,21 +6,28 @@
 
 namespace maquette {
 
-/// What a JSON library's exception says, for people: without its own number, and without what it had read, which may be
-/// a whole file.
+/// What a JSON library's exception says, for people: the place and the fault, without its own number, what it was
+/// parsing, and what it had read, which may be a whole file.
 inline std::string json_fault(std::string message) {
   constexpr std::size_t kLongest = 160;
   message.resize(std::min(message.find("; last read"), message.size()));
-  const std::size_t number = message.find("] ");
-  if (message.starts_with("[") && number != std::string::npos) message.erase(0, number + 2);
+  const auto drop = [&](std::string_view begin, std::string_view end) {
+    const std::size_t from = message.find(begin);
+    const std::size_t to = from == std::string::npos ? from : message.find(end, from);
+    if (to != std::string::npos) message.erase(from, to + end.size() - from);
+  };
+  if (message.starts_with("[")) drop("[", "] ");
+  drop("parse error at ", "at ");
+  drop("syntax error while parsing ", " - ");
   return message.size() > kLongest ? message.substr(0, kLongest) + " ..." : message;
 }
 
-/// Values take sixteen bytes and more as a tree, eight times their text: such a document is refused before it is
-/// parsed.
-inline bool has_too_many_values(std::string_view text) {
-  constexpr std::ptrdiff_t kMostValues = 20'000'000;
-  return std::count(text.begin(), text.end(), ',') > kMostValues;
+/// Values take sixteen bytes and more as a tree, eight times their text, and objects of a scene up to a kilobyte: such
+/// a document is refused before it is parsed.
+inline bool has_too_many_values(std::string_view text, std::ptrdiff_t most_values = 20'000'000) {
+  constexpr std::ptrdiff_t kMostObjects = 2'000'000;
+  return std::count(text.begin(), text.end(), ',') > most_values ||
+         std::count(text.begin(), text.end(), '{') > kMostObjects;
 }
 
 /// Such a document ends the stack of what walks, copies or writes it.

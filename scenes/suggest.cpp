@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "scenes/harmless.h"
+
 namespace maquette {
 
 namespace {
@@ -11,6 +13,12 @@ std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return result;
+}
+
+std::string join_shortened(std::vector<std::string> names, const std::string& separator) {
+  constexpr std::size_t kLongest = 80;
+  for (std::string& name : names) name = without_middle(name, kLongest);
+  return join(names, separator);
 }
 
 /// Distance to the nearest of the words of `candidate` (`leather` in `leather-black`).
@@ -29,7 +37,9 @@ int word_distance(std::string_view name, const std::string& candidate) {
 }  // namespace
 
 int edit_distance(std::string_view first, std::string_view second) {
-  const std::string a = lower(first), b = lower(second);
+  // Names come from files and may be as long; the cost is the product of both lengths.
+  constexpr std::size_t kCompared = 200;
+  const std::string a = lower(first.substr(0, kCompared)), b = lower(second.substr(0, kCompared));
   // Rows i - 2, i - 1 and i of the dynamic programme.
   std::vector<int> before(b.size() + 1), previous(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) previous[j] = static_cast<int>(j);
@@ -79,10 +89,10 @@ std::string did_you_mean(std::string_view name, const std::vector<std::string>& 
   constexpr std::size_t kListed = 12;
   if (names.empty()) return {};
   const std::vector<std::string> near = nearest_names(name, names);
-  if (!near.empty()) return "did you mean " + join(near, " or ") + "?";
+  if (!near.empty()) return "did you mean " + join_shortened(near, " or ") + "?";
   const std::vector<std::string> listed(names.begin(),
                                         names.begin() + static_cast<std::ptrdiff_t>(std::min(kListed, names.size())));
-  return "known: " + join(listed) + (names.size() > kListed ? ", ..." : "");
+  return "known: " + join_shortened(listed, ", ") + (names.size() > kListed ? ", ..." : "");
 }
 
 }  // namespace maquette

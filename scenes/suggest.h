@@ -6,7 +6,7 @@
 
 namespace maquette {
 
-/// Levenshtein distance with neighbouring transpositions as one step, case ignored.
+/// Levenshtein distance with neighbouring transpositions as one step, case ignored, of the first 200 bytes.
 int edit_distance(std::string_view a, std::string_view b);
 /// At most `count` of `names`, nearest first; only those within a typing mistake, or with a missing part.
 std::vector<std::string> nearest_names(std::string_view name, const std::vector<std::string>& names,

@@ -21,8 +21,8 @@ namespace {
 
 using TextureBytes = std::span<const std::byte>;
 
-/// Limit of the texels of one image; larger images are invalid or not meant for a car.
-constexpr std::int64_t kMostTextureTexels = std::int64_t{1} << 28;
+/// Limit of the texels of one image (8192 x 8192); larger ones are invalid or not meant for a car.
+constexpr std::int64_t kMostTextureTexels = std::int64_t{1} << 26;
 constexpr std::size_t kPngSignature = 8;
 constexpr std::size_t kChunkFrame = 12;  // length, name, checksum
 
@@ -65,7 +65,8 @@ void check_png(TextureBytes bytes) {
 
 void check_size(std::int64_t width, std::int64_t height) {
   if (width * height > kMostTextureTexels)
-    throw Error({}, "has " + std::to_string(width) + " x " + std::to_string(height) + " texels, which is too large");
+    throw Error({}, "has " + std::to_string(width) + " x " + std::to_string(height) + " texels, more than 8192 x 8192",
+                "make it smaller");
 }
 
 void set_size(int width, int height, TextureImage* image) {
@@ -143,6 +144,22 @@ std::string texture_format_name(TextureBytes bytes) {
   for (const auto& [magic, name] : kOthers)
     if (as_text(bytes).starts_with(magic)) return std::string(name);
   return {};
+}
+
+glm::ivec2 texture_size(TextureBytes bytes) {
+  const auto limit = static_cast<std::size_t>(std::numeric_limits<int>::max());
+  if (bytes.size() > limit) return {};
+  int width = 0, height = 0, channels = 0;
+  if (texture_format(bytes) == TextureFormat::webp) {
+    WebPBitstreamFeatures features;
+    const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    if (WebPGetFeatures(data, bytes.size(), &features) != VP8_STATUS_OK) return {};
+    return {features.width, features.height};
+  }
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  if (stbi_info_from_memory(data, static_cast<int>(bytes.size()), &width, &height, &channels) == 0) return {};
+  if (std::int64_t{width} * height > kMostTextureTexels) return {};  // is not decoded
+  return {width, height};
 }
 
 void decode_texture(TextureBytes bytes, TextureImage* image, std::vector<std::string>* notes) {

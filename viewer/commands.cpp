@@ -1,6 +1,7 @@
 #include "viewer/commands.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -37,6 +38,7 @@ int run_command(const CommandLine& line) {
 }  // namespace
 
 int run_program(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that reaches the limit of its size is an error of `write`
   try {
     const int code = run_command(parse_command_line(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc)));
     if (std::fflush(stdout) != 0 || std::ferror(stdout)) return fail(1, "standard output: cannot be written");

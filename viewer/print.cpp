@@ -8,14 +8,11 @@ namespace maquette {
 
 namespace {
 
-/// A name may be as long as its file.
 constexpr std::size_t kLongestLine = 1000;
 constexpr std::size_t kMostWarnings = 3;
 
-/// Without its middle where it is too long.
-std::string cut(const std::string& text) {
-  if (text.size() <= kLongestLine) return text;
-  return text.substr(0, kLongestLine / 2) + " ... " + text.substr(text.size() - kLongestLine / 2);
+void put_line(std::FILE* stream, const std::string& text) {
+  std::fputs((harmless(without_middle(text, kLongestLine)) + "\n").c_str(), stream);
 }
 
 }  // namespace
@@ -31,16 +28,16 @@ void print_line(std::FILE* stream, const char* format, ...) {
   va_end(again);
   text.pop_back();
   if (text.ends_with('\n')) text.pop_back();
-  std::fputs((harmless(cut(text)) + "\n").c_str(), stream);
+  put_line(stream, text);
 }
 
 void print_warnings(const std::string& where, const std::vector<std::string>& warnings) {
   const std::string before = where.empty() ? "" : where + ": ";
   const std::size_t shown = warnings.size() > kMostWarnings ? 1 : warnings.size();
-  for (std::size_t i = 0; i < shown; ++i) print_line(stderr, "warning: %s%s", before.c_str(), warnings[i].c_str());
+  for (std::size_t i = 0; i < shown; ++i) put_line(stderr, "warning: " + before + warnings[i]);
   if (shown < warnings.size())
-    print_line(stderr, "warning: %s%zu more warnings; maquette inspect lists them",
-               before.c_str(), warnings.size() - shown);
+    print_line(stderr, "warning: %s%zu more warnings; maquette inspect lists them", before.c_str(),
+               warnings.size() - shown);
 }
 
 void print_text(std::FILE* stream, const std::string& text) { std::fputs(harmless(text, true).c_str(), stream); }

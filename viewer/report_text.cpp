@@ -13,11 +13,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t kLongestText = 1000;
+
 bool is_scalar(const Json& value) { return !value.is_structured(); }
 
 std::string scalar_text(const Json& value) {
   if (value.is_null()) return "-";
-  if (value.is_string()) return harmless(value.get<std::string>());
+  if (value.is_string()) return harmless(without_middle(value.get<std::string>(), kLongestText));
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (!value.is_number_float()) return value.dump();
   char buffer[32];
@@ -27,7 +29,7 @@ std::string scalar_text(const Json& value) {
 
 std::string readable(std::string key) {
   std::replace(key.begin(), key.end(), '_', ' ');
-  return key;
+  return harmless(without_middle(key, kLongestText));
 }
 
 void append(const Json& value, std::size_t indent, std::string* text);

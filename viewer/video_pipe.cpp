@@ -1,6 +1,7 @@
 #include "viewer/video_pipe.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -56,8 +57,12 @@ VideoPipe::VideoPipe(std::string path, double frames_per_second) : path_(std::mo
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  const pid_t program = getpid();
   process_ = fork();
   if (process_ == 0) {
+    // Killed with us, so that the next run may remove what it wrote.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != program) _exit(1);
     dup2(ends[0], STDIN_FILENO);
     const int log = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     if (log >= 0) {

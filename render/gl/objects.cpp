@@ -109,6 +109,14 @@ Texture Texture::make_2d_array(const std::string& label, GLenum internal_format,
 }
 
 Texture Texture::make_buffer(const std::string& label, GLenum internal_format, const Buffer& buffer) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  const std::size_t texels = buffer.bytes() / texel_bytes(internal_format);
+  if (texels > static_cast<std::size_t>(most))
+    throw Error("scene",
+                std::to_string(texels) + " elements of its " + label + " are more than this driver can address (" +
+                    std::to_string(most) + ")",
+                "use a lighter model");
   Texture texture;
   GLuint name = 0;
   glCreateTextures(GL_TEXTURE_BUFFER, 1, &name);

@@ -83,6 +83,7 @@ class Texture {
   static Texture make_2d(const std::string& label, GLenum internal_format, int width, int height, int levels = 1);
   static Texture make_2d_array(const std::string& label, GLenum internal_format, int width, int height, int layers,
                                int levels = 1);
+  /// Throws Error for more texels than the driver can address.
   static Texture make_buffer(const std::string& label, GLenum internal_format, const Buffer& buffer);
   void set_filter(GLenum min_filter, GLenum mag_filter);
   void set_wrap(GLenum wrap_s, GLenum wrap_t);

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "render/materials/texels.h"
+#include "scenes/texels.h"
 #include "scenes/luminance.h"
 
 namespace maquette {

@@ -4,10 +4,12 @@
 #include <bit>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
+#include <set>
 
-#include "render/materials/mip_chain.h"
-#include "render/materials/texels.h"
+#include "scenes/error.h"
+#include "scenes/mip_chain.h"
 #include "scenes/parallel.h"
+#include "scenes/texels.h"
 
 namespace maquette {
 
@@ -39,6 +41,29 @@ int append_mips(const TextureImage& image, bool srgb, std::vector<glm::uvec2>* t
     ++levels;
   }
   return levels;
+}
+
+std::size_t chain_texels(int width, int height) {
+  std::size_t texels = 0;
+  for (;; width = std::max(1, width / 2), height = std::max(1, height / 2)) {
+    texels += static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    if (width == 1 && height == 1) return texels;
+  }
+}
+
+/// Of all textures of the scene: an image that is read both as colour and as data counts twice.
+std::size_t count_texels(const Scene& scene) {
+  std::set<std::pair<int, bool>> stored;
+  std::size_t texels = 0;
+  for (const Material& m : scene.materials)
+    for (std::size_t k = 0; k < kTextureRoles; ++k) {
+      const auto role = static_cast<TextureRole>(k);
+      const int index = texture_of(m, role).image;
+      if (index < 0 || !stored.emplace(index, is_colour(role)).second) continue;
+      const TextureImage& image = scene.images[static_cast<std::size_t>(index)];
+      texels += chain_texels(image.width, image.height);
+    }
+  return texels;
 }
 
 /// Codes of shaders/shared/texture_filter.glsl.
@@ -82,6 +107,13 @@ bool is_colour(TextureRole role) {
 
 TextureAtlas build_texture_atlas(const Scene& scene) {
   TextureAtlas atlas;
+  // What 32 bits of offsets hold; drivers may have a lower limit.
+  constexpr std::size_t kMostTexels = std::size_t{1} << 30;
+  const std::size_t texels = count_texels(scene);
+  if (texels > kMostTexels)
+    throw Error(scene.name, "its textures have " + std::to_string(texels) + " texels with their mip chains",
+                "use smaller images");
+  atlas.texels.reserve(texels);
   StoredImages stored;
   stored.offsets.assign(2 * scene.images.size(), -1);
   stored.levels.assign(2 * scene.images.size(), 0);

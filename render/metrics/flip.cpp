@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <mutex>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "render/metrics/flip_filters.h"
@@ -92,18 +93,17 @@ Plane length(const Plane& x, const Plane& y) {
   return result;
 }
 
-Perceived perceive(const Planes& rgb, const Filters& filters) {
-  const int w = rgb[0].width, h = rgb[0].height;
-  Planes opponent = {Plane(w, h), Plane(w, h), Plane(w, h)};
-  Plane lightness(w, h);
+Perceived perceive(Planes rgb, const Filters& filters) {
+  Plane lightness(rgb[0].width, rgb[0].height);
   const std::size_t count = lightness.data.size();
+  Planes& opponent = rgb;  // in place: large pictures have many planes
   for (std::size_t i = 0; i < count; ++i) {
     const glm::vec3 v = opponent_from_rgb({rgb[0].data[i], rgb[1].data[i], rgb[2].data[i]});
     for (int c = 0; c < 3; ++c) opponent[static_cast<std::size_t>(c)].data[i] = v[c];
     lightness.data[i] = (v.x + 16.0f) / 116.0f;
   }
   Perceived seen;
-  for (std::size_t c = 0; c < 3; ++c) seen.lab[c] = flip::apply(filters.spatial[c], opponent[c]);
+  for (std::size_t c = 0; c < 3; ++c) seen.lab[c] = flip::apply(filters.spatial[c], std::exchange(opponent[c], {}));
   for (std::size_t i = 0; i < count; ++i) {
     const glm::vec3 filtered = rgb_from_opponent({seen.lab[0].data[i], seen.lab[1].data[i], seen.lab[2].data[i]});
     const glm::vec3 lab = hunt_lab_from_rgb(glm::clamp(filtered, glm::vec3(0.0f), glm::vec3(1.0f)));
@@ -198,7 +198,7 @@ Image flip_hdr_map(const Image& image, const Image& reference, double pixels_per
   if (exposures.black) return map;
   const Filters filters(pixels_per_degree);
   std::mutex mutex;
-  parallel_for(0, exposures.count, [&](int i) {
+  const auto add_exposure = [&](int i) {
     const double ev = exposures.start_ev + (exposures.stop_ev - exposures.start_ev) * i / (exposures.count - 1);
     const auto scale = static_cast<float>(std::exp2(ev));
     // Beyond 1e4 the curve is saturated; larger values would overflow when squared.
@@ -207,7 +207,13 @@ Image flip_hdr_map(const Image& image, const Image& reference, double pixels_per
         difference(perceive(planes_of(image, shown), filters), perceive(planes_of(reference, shown), filters));
     const std::lock_guard lock(mutex);
     for (std::size_t k = 0; k < map.data.size(); ++k) map.data[k] = std::max(map.data[k], one.data[k]);
-  });
+  };
+  // An exposure takes a hundred bytes a pixel: of large pictures one at a time, whose filters take all cores.
+  constexpr std::size_t kLarge = std::size_t{1} << 21;
+  if (map.data.size() > kLarge)
+    for (int i = 0; i < exposures.count; ++i) add_exposure(i);
+  else
+    parallel_for(0, exposures.count, add_exposure);
   return map;
 }
 

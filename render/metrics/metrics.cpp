@@ -31,11 +31,13 @@ void check_comparable(const Image& image, const Image& reference) {
 
 bool is_finite(const Image& image, int x, int y) {
   const float* p = &image.data[image.index(x, y)];
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+  const bool alpha = image.channels < 4 || std::isfinite(p[3]);
+  return alpha && std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
+/// An alpha of NaN counts, so that it is said.
 bool is_counted(const Image& reference, int x, int y) {
-  return reference.channels <= 3 || reference.at(x, y, 3) >= 1.0f;
+  return reference.channels <= 3 || !(reference.at(x, y, 3) < 1.0f);
 }
 
 /// Both pictures, set to black in both where one is invalid, so that no filter carries the fault into compared pixels.
@@ -102,42 +104,38 @@ struct Pixel {
 ErrorFigures compare_images(const Image& image, const Image& reference) {
   check_comparable(image, reference);
   ErrorFigures figures;
-  std::vector<Pixel> pixels;
+  const auto for_each_pixel = [&](const auto& add) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        if (!is_counted(reference, x, y)) continue;
+        Pixel pixel{};
+        for (int c = 0; c < 3; ++c) {
+          pixel.actual[static_cast<std::size_t>(c)] = static_cast<double>(image.at(x, y, c));
+          pixel.expected[static_cast<std::size_t>(c)] = static_cast<double>(reference.at(x, y, c));
+        }
+        add(pixel, is_finite(image, x, y) && is_finite(reference, x, y));
+      }
+  };
   double luminance_sum = 0.0, peak = 0.0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      if (!is_counted(reference, x, y)) continue;
-      Pixel pixel{};
-      bool finite = true;
-      for (int c = 0; c < 3; ++c) {
-        const auto k = static_cast<std::size_t>(c);
-        pixel.actual[k] = static_cast<double>(image.at(x, y, c));
-        pixel.expected[k] = static_cast<double>(reference.at(x, y, c));
-        finite = finite && std::isfinite(pixel.actual[k]) && std::isfinite(pixel.expected[k]);
-      }
-      if (!finite) {
-        ++figures.invalid_count;
-        continue;
-      }
-      const auto& e = pixel.expected;
-      luminance_sum += luminance(glm::dvec3(e[0], e[1], e[2]));
-      peak = std::max({peak, e[0], e[1], e[2]});
-      pixels.push_back(pixel);
-    }
-  }
-  figures.pixel_count = pixels.size();
-  if (pixels.empty()) return figures;
-  const double mean = luminance_sum / static_cast<double>(pixels.size());
+  for_each_pixel([&](const Pixel& pixel, bool finite) {
+    ++(finite ? figures.pixel_count : figures.invalid_count);
+    if (!finite) return;
+    const auto& e = pixel.expected;
+    luminance_sum += luminance(glm::dvec3(e[0], e[1], e[2]));
+    peak = std::max({peak, e[0], e[1], e[2]});
+  });
+  if (figures.pixel_count == 0) return figures;
+  const double mean = luminance_sum / static_cast<double>(figures.pixel_count);
   const double epsilon = 0.01 * mean * mean;
   double squares = 0.0, relative = 0.0;
-  for (const Pixel& pixel : pixels) {
-    for (std::size_t c = 0; c < 3; ++c) {
+  for_each_pixel([&](const Pixel& pixel, bool finite) {
+    for (std::size_t c = 0; finite && c < 3; ++c) {
       const double square = (pixel.actual[c] - pixel.expected[c]) * (pixel.actual[c] - pixel.expected[c]);
       squares += square;
       relative += square / (pixel.expected[c] * pixel.expected[c] + epsilon);
     }
-  }
-  const double count = 3.0 * static_cast<double>(pixels.size());
+  });
+  const double count = 3.0 * static_cast<double>(figures.pixel_count);
   figures.rmse = std::sqrt(squares / count);
   if (mean > 0.0) {
     figures.relative_rmse = *figures.rmse / mean;
@@ -162,6 +160,9 @@ double display_exposure_ev(const Image& reference) {
 }
 
 ErrorReport measure_error(const Image& image, const Image& reference) {
+  constexpr std::size_t kMostPixels = std::size_t{1} << 25;  // 8K; the metrics take over a hundred bytes a pixel
+  if (image.data.size() / static_cast<std::size_t>(image.channels) > kMostPixels)
+    throw Error("", "pictures of " + size_text(image) + " are too large to be compared", "render them at 7680x4320");
   ErrorReport report;
   report.figures = compare_images(image, reference);
   ErrorFigures& figures = report.figures;

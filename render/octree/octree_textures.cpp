@@ -5,8 +5,8 @@
 #include <map>
 #include <span>
 
-#include "render/materials/mip_chain.h"
-#include "render/materials/texels.h"
+#include "scenes/mip_chain.h"
+#include "scenes/texels.h"
 #include "scenes/files.h"
 
 namespace maquette {

@@ -11,7 +11,6 @@
 #include "render/materials/texture_bandwidth.h"
 #include "render/scene_state/geometry_edit.h"
 #include "render/scene_state/material_overrides.h"
-#include "scenes/error.h"
 
 namespace maquette {
 
@@ -68,13 +67,6 @@ SceneBuffers::SceneBuffers(const Scene& scene) : geometry_(flatten(scene)) {
 
 void SceneBuffers::build_geometry() {
   const std::size_t count = geometry_.positions.size();
-  GLint max_texels = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &max_texels);
-  if (count * kVertexTexels > static_cast<std::size_t>(max_texels))
-    throw Error("scene",
-                std::to_string(count) + " vertices are more than this driver can address (" +
-                    std::to_string(static_cast<std::size_t>(max_texels) / kVertexTexels) + ")",
-                "use a lighter model");
   positions_ = Buffer::from("positions", geometry_.positions);
   uvs_ = Buffer::from("uv0", geometry_.uv0);
   indices_ = Buffer::from("indices", geometry_.indices);

@@ -371,7 +371,10 @@ IncidentProvenance provenance_of(const IncidentJob& job) {
     for (const char c : m.measured) numbers.push_back(static_cast<float>(c));
   }
   p.materials = chain_hash(numbers, static_cast<std::uint64_t>(job.variant + 1));
-  for (const TextureImage& image : job.scene->images) p.materials = chain_hash(image.rgba, p.materials);
+  for (const TextureImage& image : job.scene->images) {
+    p.materials = chain_hash(image.rgba, p.materials);
+    if (!image.rgba16.empty()) p.materials = chain_hash(image.rgba16, p.materials);
+  }
   p.atlas_side = job.atlas.side;
   p.lumisphere_side = job.options.side;
   p.paths = job.options.paths;

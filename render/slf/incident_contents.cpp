@@ -50,12 +50,27 @@ std::map<std::string, std::string> light_of(const IncidentJob& job) {
   return light;
 }
 
-}  // namespace
-
+/// Without the texels of its textures.
 std::uint64_t hash_of(const Material& material) {
   const bool file = !material.measured.empty() && !material.measured.starts_with("builtin:");
   return chain_hash(numbers_of(material), content_hash(std::as_bytes(std::span(material.measured)),
                                                        file ? material_source_key(material.measured) : 0));
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> looks_of(const Scene& scene) {
+  std::vector<std::uint64_t> images;
+  for (const TextureImage& image : scene.images) images.push_back(chain_hash(image.rgba16, chain_hash(image.rgba, 0)));
+  std::vector<std::uint64_t> looks;
+  for (const Material& material : scene.materials) {
+    std::vector<std::uint64_t> read{hash_of(material)};
+    for (const auto texture : kMaterialTextures)
+      if (const int image = (material.*texture).image; image >= 0 && image < static_cast<int>(images.size()))
+        read.push_back(images[static_cast<std::size_t>(image)]);
+    looks.push_back(chain_hash(read, 0));
+  }
+  return looks;
 }
 
 IncidentContents contents_of(const IncidentJob& job) {
@@ -78,7 +93,7 @@ IncidentContents contents_of(const IncidentJob& job) {
   std::set<std::string> parts;
   for (const AtlasPart& part : job.parts) parts.insert(path_of_item(paths, g.items[part.item]));
   contents.parts.assign(parts.begin(), parts.end());
-  for (const Material& m : job.scene->materials) contents.materials.push_back(hash_of(m));
+  contents.materials = looks_of(*job.scene);
   contents.light = light_of(job);
   return contents;
 }

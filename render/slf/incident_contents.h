@@ -16,13 +16,13 @@ struct IncidentJob;
 struct IncidentContents {
   std::map<std::string, std::uint64_t> surfaces;  ///< by path of the node: hash of where its surfaces lie
   std::vector<std::string> parts;                 ///< paths of the nodes with texels
-  std::vector<std::uint64_t> materials;           ///< [material] hash_of
+  std::vector<std::uint64_t> materials;           ///< [material] looks_of
   std::map<std::string, std::string> light;       ///< environment, rotation, scale, lamps
 };
 
 IncidentContents contents_of(const IncidentJob& job);
-/// Of all that it looks like, images apart.
-std::uint64_t hash_of(const Material& material);
+/// [material] hash of all that it looks like, texels of its textures among it.
+std::vector<std::uint64_t> looks_of(const Scene& scene);
 
 void write_contents(const IncidentContents& contents, std::map<std::string, std::string>* attributes);
 /// Empty where the attributes have none.

@@ -42,8 +42,8 @@ std::vector<std::uint64_t> outgoing_key(const LightFieldJob& job, const Outgoing
   std::vector<std::uint64_t> key{static_cast<std::uint64_t>(options.basis),
                                  std::bit_cast<std::uint64_t>(options.haar_error),
                                  std::bit_cast<std::uint32_t>(options.texel_m)};
-  for (const Material& material : job.scene->materials) key.push_back(hash_of(material));
-  for (const TextureImage& image : job.scene->images) key.push_back(chain_hash(image.rgba, 0));
+  const std::vector<std::uint64_t> looks = looks_of(*job.scene);
+  key.insert(key.end(), looks.begin(), looks.end());
   return key;
 }
 
@@ -81,6 +81,15 @@ std::shared_ptr<const InteractionTerms> find_terms(const LightFieldJob& job, con
   memory->terms.push_front(wanted);
   if (memory->terms.size() > kMostTerms) memory->terms.pop_back();
   return wanted.terms;
+}
+
+/// Materials of `scene` whose looks are others than those of `before`.
+std::string names_of_changed(const Scene& scene, const std::vector<std::uint64_t>& before) {
+  const std::vector<std::uint64_t> looks = looks_of(scene);
+  std::string names;
+  for (std::size_t i = 0; i < std::min(looks.size(), before.size()); ++i)
+    if (looks[i] != before[i]) names += (names.empty() ? "" : ", ") + scene.materials[i].name;
+  return names;
 }
 
 }  // namespace
@@ -209,14 +218,9 @@ std::vector<std::string> warn_of_second_uvs(const IncidentJob& job, const LightF
 std::vector<std::string> notes_of(const LightField& field) {
   std::vector<std::string> notes = field.warnings;
   if (!field.stale.empty()) notes.push_back("the light field is stale: " + field.stale);
-  if (!field.made_from.scene || !field.incident) return notes;
-  const std::vector<Material>& shown = field.made_from.scene->materials;
-  const std::vector<std::uint64_t>& baked = field.incident->contents.materials;
-  std::string names;
-  for (std::size_t i = 0; i < std::min(shown.size(), baked.size()); ++i)
-    if (hash_of(shown[i]) != baked[i]) names += (names.empty() ? "" : ", ") + shown[i].name;
-  if (!names.empty())
-    notes.push_back("exchanged since the bake: " + names + "; light from them onto other parts is that of before");
+  if (!field.exchanged.empty())
+    notes.push_back("exchanged since the bake: " + field.exchanged +
+                    "; light from them onto other parts is that of before");
   return notes;
 }
 
@@ -232,10 +236,7 @@ std::vector<std::string> changes_since(const LightField& field, const LightField
     const std::string which = light_difference(field.incident->contents, contents_of(now.incident));
     changes.push_back("stale: the light field was baked under other light" + (which.empty() ? "" : " (" + which + ")"));
   }
-  std::string names;
-  const auto &shown = now.scene->materials, &made = field.made_from.scene->materials;
-  for (std::size_t i = 0; i < std::min(shown.size(), made.size()); ++i)
-    if (hash_of(shown[i]) != hash_of(made[i])) names += (names.empty() ? "" : ", ") + shown[i].name;
+  const std::string names = names_of_changed(*now.scene, looks_of(*field.made_from.scene));
   if (!names.empty()) changes.push_back("the light field shows these materials as they were: " + names);
   return changes;
 }
@@ -262,6 +263,7 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   field->stale = incident->stale;
   field->incident = incident;
   field->made_from = job;
+  field->exchanged = names_of_changed(*job.scene, incident->contents.materials);
   field->warnings = std::move(warnings);
   for (const std::string& line : warn_of_second_uvs(job.incident, incident->atlas)) field->warnings.push_back(line);
   if (job.interactions) {

@@ -44,6 +44,7 @@ struct LightField {
   double coefficients = 0.0;                         ///< of incident light, used per texel and channel
   std::size_t reused = 0;                            ///< texels whose incident light an earlier run had made
   std::string stale;
+  std::string exchanged;  ///< names of materials that look other than when they were baked
   /// Materials too specular for the lumispheres, surfaces without texels, and UV sets that are not used, a line each.
   std::vector<std::string> warnings;
   bool compressed() const { return fit.pca.cluster_count() > 0; }

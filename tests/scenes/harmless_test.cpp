@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "scenes/error.h"
 #include "scenes/file_name.h"
 #include "scenes/json_fault.h"
+#include "scenes/suggest.h"
 
 namespace maquette {
 namespace {
@@ -87,6 +89,32 @@ TEST(Harmless, AnyNameComesBackFromUtf8) {
     EXPECT_NO_THROW(nlohmann::json(text).dump()) << harmless(name);
   }
   EXPECT_EQ(as_utf8("caf\xc3\xa9"), "caf\xc3\xa9");
+}
+
+TEST(Harmless, AMessageDoesNotEndAtACharacterZero) {
+  const std::string name("red\0blue", 8);
+  const Error error("a.glb", "material " + name + " is not there", "name another");
+  EXPECT_EQ(std::string(error.what()), "a.glb: material red\\x00blue is not there; name another");
+}
+
+TEST(Harmless, LongNamesAreCutInListsAndDoNotTakeLong) {
+  const std::string most(1000, 'm'), text = did_you_mean("wheel", {most + "a", most + "b"});
+  EXPECT_LT(text.size(), 250u) << text;
+  EXPECT_NE(text.find(" ... "), std::string::npos) << text;
+  EXPECT_GT(edit_distance(std::string(1'000'000, 'a'), std::string(1'000'000, 'b')), 100);
+}
+
+TEST(JsonFault, SaysPlaceAndFault) {
+  const auto said = [](const char* text) -> std::string {
+    try {
+      return nlohmann::json::parse(text).dump();
+    } catch (const nlohmann::json::exception& e) {
+      return json_fault(e.what());
+    }
+  };
+  EXPECT_EQ(said("{\"a\": }"), "line 1, column 7: unexpected '}'; expected '[', '{', or a literal");
+  EXPECT_TRUE(said("{\"a\nb\": 1}").starts_with("line 2, column 0: invalid string: control character U+000A (LF)"))
+      << said("{\"a\nb\": 1}");
 }
 
 TEST(JsonFault, HasNoNumberOfTheLibraryAndNoPayload) {

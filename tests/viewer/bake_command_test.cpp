@@ -115,6 +115,35 @@ TEST(BakeCommand, LightOfOtherMaterialsNeedsAFolder) {
   EXPECT_NE((result.out + result.error).find("exchanged"), std::string::npos) << result.out << result.error;
 }
 
+TEST(BakeCommand, ATextureThatWasPaintedOverIsExchanged) {
+  const TemporaryFolder folder;
+  const std::string at = folder.file("baked"), scene = folder.file("floor.glb");
+  const auto save = [&](std::uint8_t grey) {
+    Scene floor;
+    floor.materials = {test::matte(glm::vec3(0.5f))};
+    floor.materials[0].name = "carpet";
+    floor.images = {{"weave", 2, 2, std::vector<std::uint8_t>(16, grey)}};
+    floor.materials[0].base_color_texture.image = 0;
+    test::add(&floor, test::make_grid({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 2, 0), "floor");
+    save_glb(scene, floor);
+  };
+  save(200);
+  const ProgramResult made = run_maquette({"bake", "slf", scene, "--env", "builtin:studio", "-o", at, "--set",
+                                           "slf.texels=16", "--set", "slf.directions=4", "--set", "slf.paths=1"});
+  ASSERT_EQ(made.exit_code, 0) << made.error;
+  const auto draw = [&] {
+    return run_maquette({"render", scene, "--mode", "slf", "--size", "16x12", "--env", "builtin:studio", "-o",
+                         folder.file("a.exr"), "--set", "ground.kind=none", "--set", "slf.bake=" + at});
+  };
+  const ProgramResult same = draw();
+  EXPECT_EQ(same.exit_code, 0) << same.error;
+  EXPECT_EQ(same.error.find("exchanged"), std::string::npos) << same.error;
+  save(100);
+  const ProgramResult painted = draw();
+  EXPECT_EQ(painted.exit_code, 0) << painted.error;
+  EXPECT_NE(painted.error.find("exchanged since the bake: carpet"), std::string::npos) << painted.out << painted.error;
+}
+
 TEST(BakeCommand, WhatNoBakeReadsIsSaid) {
   const TemporaryFolder folder;
   const ProgramResult result = run_maquette({"bake", "octree", "builtin:sphere", "--set", "octree.depth=4",

@@ -59,7 +59,7 @@ std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
 
 std::string escape(const std::string& text) {
   std::string html;
-  for (const char c : text)
+  for (const char c : harmless(text, true))
     html += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
   return html;
 }

@@ -1,4 +1,4 @@
-#include "render/materials/texels.h"
+#include "scenes/texels.h"
 
 #include <cmath>
 

@@ -43,12 +43,13 @@ std::string first_line(const fs::path& path) {
   return line;
 }
 
+/// Paths below the folder.
 std::set<std::string> pictures_of(const fs::path& folder, const std::string& case_name) {
   std::set<std::string> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string file = entry.path().filename().string();
-    if (file.starts_with(case_name + "--") && file.ends_with(".exr")) files.insert(file);
-  }
+  if (fs::exists(folder / (case_name + ".exr"))) files.insert(case_name + ".exr");
+  if (fs::is_directory(folder / case_name))
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder / case_name))
+      if (entry.path().extension() == ".exr") files.insert(case_name + "/" + entry.path().filename().string());
   return files;
 }
 
@@ -63,7 +64,7 @@ void fail(Verdict* verdict, const std::string& text) {
   verdict->same = false;
 }
 
-Verdict judge(const fs::path& base, const fs::path& pictures, const PictureCase& c) {
+Verdict judge(const fs::path& base, const fs::path& pictures, const PictureCase& c, const Tolerance& tolerance) {
   Verdict verdict;
   for (const auto& [folder, whose] : {std::pair{base, "base: "}, std::pair{pictures, "here: "}}) {
     const std::string error = first_line(folder / (c.name + ".error"));
@@ -74,11 +75,11 @@ Verdict judge(const fs::path& base, const fs::path& pictures, const PictureCase&
   if (of_base.empty()) fail(&verdict, "nothing was drawn");
   for (const std::string& file : of_base) {
     if (!here.contains(file)) continue;
-    const PictureDifference difference =
-        compare_pictures(load_hdr_image((base / file).string()), load_hdr_image((pictures / file).string()));
+    const PictureDifference difference = compare_pictures(
+        load_hdr_image((base / file).string()), load_hdr_image((pictures / file).string()), tolerance.relative);
     verdict.worst.largest = std::max(verdict.worst.largest, difference.largest);
     verdict.worst.failing_share = std::max(verdict.worst.failing_share, difference.failing_share);
-    if (difference.failing_share > (c.adaptive ? kAdaptiveShare : 0.0)) fail(&verdict, "DIFFERS in " + file);
+    if (difference.failing_share > (c.adaptive ? tolerance.adaptive_share : 0.0)) fail(&verdict, "DIFFERS in " + file);
   }
   if (verdict.same && verdict.worst.failing_share > 0.0) verdict.text = "same, but for adaptive counts";
   return verdict;
@@ -86,7 +87,7 @@ Verdict judge(const fs::path& base, const fs::path& pictures, const PictureCase&
 
 }  // namespace
 
-PictureDifference compare_pictures(const Image& base, const Image& picture) {
+PictureDifference compare_pictures(const Image& base, const Image& picture, double tolerance) {
   if (base.width != picture.width || base.height != picture.height || base.channels != picture.channels)
     return {kInfinity, 1.0};
   const double mean = mean_magnitude(base);
@@ -98,29 +99,24 @@ PictureDifference compare_pictures(const Image& base, const Image& picture) {
     for (std::size_t i = pixel; i < pixel + channels; ++i)
       largest = std::max(largest, relative_difference(base.data[i], picture.data[i], mean));
     difference.largest = std::max(difference.largest, largest);
-    if (largest > kTolerance) ++failing;
+    if (largest > tolerance) ++failing;
   }
   difference.failing_share = static_cast<double>(failing * channels) / static_cast<double>(base.data.size());
   return difference;
 }
 
-bool compare_folders(const fs::path& base, const fs::path& pictures, const std::vector<PictureCase>& cases) {
-  std::size_t same = 0, compared = 0;
-  std::printf("%-40s %11s %10s  %s\n", "case", "largest", "failing", "verdict");
+bool compare_folders(const fs::path& base, const fs::path& pictures, const std::vector<PictureCase>& cases,
+                     const Tolerance& tolerance) {
+  std::size_t same = 0;
+  std::printf("%-48s %11s %10s  %s\n", "case", "largest", "failing", "verdict");
   for (const PictureCase& c : cases) {
-    const std::string skipped = first_line(pictures / (c.name + ".skipped"));
-    if (!skipped.empty()) {
-      std::printf("%-40s %11s %10s  skipped: %s\n", c.name.c_str(), "-", "-", skipped.c_str());
-      continue;
-    }
-    const Verdict verdict = judge(base, pictures, c);
-    ++compared;
+    const Verdict verdict = judge(base, pictures, c, tolerance);
     if (verdict.same) ++same;
-    std::printf("%-40s %11.2g %8.3f %%  %s\n", c.name.c_str(), verdict.worst.largest,
+    std::printf("%-48s %11.2g %8.3f %%  %s\n", c.name.c_str(), verdict.worst.largest,
                 100.0 * verdict.worst.failing_share, verdict.text.c_str());
   }
-  std::printf("%zu of %zu the same\n", same, compared);
-  return same == compared && compared > 0;
+  std::printf("%zu of %zu the same\n", same, cases.size());
+  return same == cases.size() && !cases.empty();
 }
 
 }  // namespace maquette::pictures

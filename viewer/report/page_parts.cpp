@@ -7,6 +7,7 @@
 
 #include "render/technique/settings.h"
 #include "scenes/files.h"
+#include "scenes/harmless.h"
 #include "scenes/percent.h"
 #include "viewer/report/charts.h"
 

@@ -12,6 +12,7 @@
 #include "review/look_json.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/gltf_file.h"
 #include "scenes/json_fault.h"
 #include "scenes/suggest.h"
 
@@ -196,7 +197,12 @@ Review parse_review(const std::string& text, const std::string& file, std::vecto
   reader.text("program");
   reader.object("files");
   const std::string folder = folder_of(file);
-  Review review = read_document(&reader, [&](const std::string& source) { return absolute_source(source, folder); });
+  Review review = read_document(&reader, [&](const std::string& source) {
+    const std::string absolute = absolute_source(source, folder);
+    if (std::error_code ignored; gltf::has_scheme(source) && is_file(source) && !fs::exists(absolute, ignored))
+      throw Error(file, gltf::name_text(source) + " is not read: only files are", "name a file beside the review");
+    return absolute;
+  });
   std::vector<ReviewBake> named;
   if (reader.has("bakes"))  // reviews had none at first
     named = bakes_from_json(reader.list("bakes"), review, reader.where("bakes"));

@@ -114,12 +114,17 @@ void import_cage(const Document& document, const Json& json, const std::string& 
 }  // namespace
 
 void import_cages(const Document& document, Scene* scene) {
+  constexpr std::size_t kMostIndices = std::size_t{6} << 21;  // of all: each is as large as its levels say
+  std::size_t indices = 0;
   for (std::size_t i = 0; i < scene->meshes.size(); ++i) {
     const Json* extras = find_extras(element_json(document, "meshes", document.mesh_uses[i].mesh));
     if (extras == nullptr || !extras->contains("subdivision")) continue;
     const std::string where =
         at(document.path, element("meshes", document.mesh_uses[i].mesh) + ".extras.maquette.subdivision");
     import_cage(document, (*extras)["subdivision"], where, &scene->meshes[i]);
+    indices += scene->meshes[i].primitives.front().indices.size();
+    if (indices > kMostIndices)
+      throw Error(where, "brings the cages of the file to more than two million quads", "take fewer levels");
   }
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string_view>
 
 #include "scenes/error.h"
@@ -167,9 +168,10 @@ void read_in_batches(const std::vector<std::size_t>& wanted, const std::vector<E
 void keep_to_budget(const std::vector<std::size_t>& wanted, std::vector<EncodedImage>* images, Warnings* warnings) {
   std::vector<glm::ivec2> sizes;
   std::size_t bytes = 0, texels = 0;
+  std::set<const std::byte*> counted;  // images may share their bytes
   for (const std::size_t i : wanted) {
     sizes.push_back((*images)[i].size);
-    bytes += (*images)[i].bytes.size();
+    if (counted.insert((*images)[i].bytes.data()).second) bytes += (*images)[i].bytes.size();
     texels += texels_of(sizes.back());
   }
   const std::vector<int> halvings = halvings_within(sizes, most_texels(bytes));

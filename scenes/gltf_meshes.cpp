@@ -156,6 +156,34 @@ std::size_t estimate_cost(const Document& document, const Json& primitive) {
   return position == primitive["attributes"].end() ? 0 : document.model.accessors[position->get<std::size_t>()].count;
 }
 
+/// Elements that meshes read once more: of accessors that several primitives share, and of meshes in several poses. A
+/// file says in a few bytes that it wants them again and again.
+void check_repeated(const Document& document) {
+  constexpr std::size_t kMostRepeated = 20'000'000;
+  std::set<std::size_t> read;
+  std::size_t repeated = 0;
+  const auto count = [&](const Json& accessor) {
+    const auto index = accessor.get<std::size_t>();
+    if (!read.insert(index).second) repeated += document.model.accessors[index].count;
+  };
+  for (const MeshUse& use : document.mesh_uses)
+    for (const Json& primitive : element_json(document, "meshes", use.mesh)["primitives"]) {
+      if (const auto found = primitive["attributes"].find("POSITION"); found != primitive["attributes"].end())
+        count(*found);
+      if (const auto found = primitive.find("indices"); found != primitive.end()) count(*found);
+      if (const auto found = primitive.find("targets"); found != primitive.end())
+        for (const Json& target : *found)
+          for (const Json& accessor : target)
+            if (accessor.is_number_unsigned() && accessor.get<std::size_t>() < document.model.accessors.size())
+              count(accessor);
+    }
+  if (repeated > kMostRepeated)
+    throw Error(document.path,
+                "its meshes read " + std::to_string(repeated) + " elements of accessors again, at most " +
+                    std::to_string(kMostRepeated) + " are possible",
+                "let nodes share meshes instead");
+}
+
 /// Runs the most expensive tasks first, each on the next free thread, so that a large stream is not the last one.
 void run_in_parallel(const Document& document, std::vector<Task>* tasks) {
   std::vector<std::size_t> order(tasks->size());
@@ -198,6 +226,7 @@ void warn_of_missing_coordinates(const Scene& scene, const Primitive& primitive,
 }  // namespace
 
 void import_meshes(Document* document, Scene* scene) {
+  check_repeated(*document);
   std::vector<Task> tasks;
   for (std::size_t m = 0; m < document->mesh_uses.size(); ++m) {
     const MeshUse& use = document->mesh_uses[m];

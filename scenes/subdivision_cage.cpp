@@ -13,7 +13,7 @@ namespace maquette {
 namespace {
 
 /// Limit of the quads after refinement: more would take minutes and gigabytes.
-constexpr double kMaxLimitQuads = 1 << 23;
+constexpr double kMaxLimitQuads = 1 << 21;
 
 [[noreturn]] void fail(const std::string& what) { throw Error("subdivision cage", what, "repair the model"); }
 

@@ -22,6 +22,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/image_io.h"
+#include "scenes/texture_formats.h"
 #include "viewer/bake_lines.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
@@ -59,6 +60,23 @@ std::string frame_file(const Play& play, int frame) {
   char name[32];
   std::snprintf(name, sizeof name, "/frame-%05d.%s", frame, play.exr ? "exr" : "png");
   return play.folder + name;
+}
+
+/// Whether a frame of an earlier run is there and can be read: a killed machine may leave empty files.
+bool is_drawn(const std::string& file, bool exr) {
+  if (!fs::is_regular_file(file)) return false;
+  try {
+    if (exr) {
+      load_hdr_image(file);
+    } else {
+      TextureImage image;
+      std::vector<std::string> notes;
+      decode_texture(read_file(file), &image, &notes);
+    }
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 /// Of a scene without a path: that of the animation, for the camera that is asked for.
@@ -267,7 +285,7 @@ int play_frames(const Play& play, const SceneOptions& options, std::shared_ptr<c
     if (InterruptGuard::asked())
       throw Error("maquette play", "stopped at frame " + std::to_string(frame) + " of " + std::to_string(play.count),
                   "the same command continues there");
-    if (!fs::exists(frame_file(play, frame))) {
+    if (!is_drawn(frame_file(play, frame), play.exr)) {
       player.draw(frame);
       ++drawn;
     }

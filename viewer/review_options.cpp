@@ -1,10 +1,15 @@
 #include "viewer/review_options.h"
 
+#include <algorithm>
+#include <set>
+
 #include "render/bake/bake_settings.h"
 #include "render/technique/registry.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
+#include "scenes/node_paths.h"
 #include "scenes/suggest.h"
+#include "viewer/print.h"
 #include "viewer/session.h"
 
 namespace maquette {
@@ -30,6 +35,29 @@ const Look& named_look(const Review& review, const SceneOptions& options) {
   return options.look.empty() ? review.look : find_look(review, options.look);
 }
 
+/// A scene that was exported anew may have other names: what a look says of parts that are gone is ignored, with a
+/// line.
+void warn_of_unknown(const Look& look, const Scene& scene, const std::string& review) {
+  const std::vector<std::string> paths = node_paths(scene);
+  std::set<std::string> known(paths.begin(), paths.end());
+  for (const Node& node : scene.nodes) known.insert(node.name);
+  std::set<std::string> gone;
+  const auto check = [&](const std::string& node) {
+    if (node != "*" && !known.contains(node)) gone.insert(node);
+  };
+  for (const std::string& node : look.edits.hidden_nodes) check(node);
+  for (const NodeTurn& turn : look.edits.turns) check(turn.node);
+  for (const auto& [node, mode] : look.edits.part_modes) check(node);
+  const std::string where = review + (look.name.empty() ? "" : ": look " + look.name);
+  if (!gone.empty())
+    print_line(stderr, "warning: %s: hides, turns or shades parts that %s does not have: %s", where.c_str(),
+               scene.name.c_str(), join({gone.begin(), gone.end()}).c_str());
+  const std::string& played = look.edits.animation.name;
+  const bool has = std::ranges::any_of(scene.animations, [&](const Animation& a) { return a.name == played; });
+  if (!played.empty() && !has)
+    print_line(stderr, "warning: %s: %s has no animation \"%s\"", where.c_str(), scene.name.c_str(), played.c_str());
+}
+
 }  // namespace
 
 std::optional<Review> review_of(const SceneOptions& options) {
@@ -42,6 +70,7 @@ std::optional<Review> review_of(const SceneOptions& options) {
 
 Look look_of_review(const Review& review, const Scene& scene, const SceneOptions& options) {
   Look look = named_look(review, options);
+  warn_of_unknown(look, scene, options.review);
   const Look asked = look_of_options(scene, options);
   const auto given = [&](const char* name) { return options.given.contains(name); };
   if (given("--env")) look.edits.environment = asked.edits.environment;

@@ -39,6 +39,52 @@ void VideoPipe::require_ffmpeg() {
               "install it (apt install ffmpeg), or give a folder instead, for single pictures");
 }
 
+namespace {
+
+/// Starts a program; -1 where that is not possible. Descriptors below 0 are left as they are.
+pid_t start(std::vector<std::string> words, int input, int output) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const pid_t program = getpid(), child = fork();
+  if (child != 0) return child;
+  // Killed with us, so that the next run may remove what it wrote.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != program) _exit(1);
+  if (input >= 0) dup2(input, STDIN_FILENO);
+  if (output >= 0) {
+    dup2(output, STDOUT_FILENO);
+    dup2(output, STDERR_FILENO);
+  }
+  setpgid(0, 0);  // Ctrl-C is for us: what is done is kept
+  execvp(argv[0], argv.data());
+  _exit(127);
+}
+
+/// Frames that can be read from a video: ffmpeg ends with success where a full disk cut off what it wrote.
+int frames_in(const std::string& video) {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) return 0;
+  const pid_t child = start(
+      {"ffmpeg", "-nostdin", "-loglevel", "quiet", "-i", video, "-map", "0:v", "-c", "copy", "-f", "framecrc", "-"}, -1,
+      ends[1]);
+  close(ends[1]);
+  std::string lines = "\n";
+  char chunk[4096];
+  for (ssize_t count = 0; (count = read(ends[0], chunk, sizeof chunk)) > 0 || (count < 0 && errno == EINTR);)
+    if (count > 0) lines.append(chunk, static_cast<std::size_t>(count));
+  close(ends[0]);
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) < 0 || status != 0) return 0;
+  // One line a frame; those of the header begin with #.
+  int frames = 0;
+  for (std::size_t at = 0; (at = lines.find('\n', at)) != std::string::npos && ++at < lines.size();)
+    if (lines[at] != '#') ++frames;
+  return frames;
+}
+
+}  // namespace
+
 VideoPipe::VideoPipe(std::string path, double frames_per_second) : path_(std::move(path)) {
   path_ = link_target(path_);
   beside_ = temporary_path(fs::absolute(path_).string());  // a name with a colon is no protocol
@@ -54,25 +100,9 @@ VideoPipe::VideoPipe(std::string path, double frames_per_second) : path_(std::mo
                                     "out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int,format=yuv420p",
                                     "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709",
                                     "-color_range", "tv", "-c:v", "libx264", "-crf", "18", beside_};
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const pid_t program = getpid();
-  process_ = fork();
-  if (process_ == 0) {
-    // Killed with us, so that the next run may remove what it wrote.
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != program) _exit(1);
-    dup2(ends[0], STDIN_FILENO);
-    const int log = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    if (log >= 0) {
-      dup2(log, STDOUT_FILENO);
-      dup2(log, STDERR_FILENO);
-    }
-    setpgid(0, 0);  // Ctrl-C is for us: what is done is kept
-    execvp("ffmpeg", argv.data());
-    _exit(127);
-  }
+  const int log = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  process_ = start(words, ends[0], log);
+  if (log >= 0) close(log);
   close(ends[0]);
   input_ = ends[1];
   if (process_ < 0) throw Error(path_, "ffmpeg cannot be started", "close other programs");
@@ -120,10 +150,16 @@ void VideoPipe::add(const std::string& png_file) {
     if (count <= 0) fail();
     done += static_cast<std::size_t>(count);
   }
+  ++frames_;
 }
 
 void VideoPipe::finish() {
   if (wait() != 0) fail();
+  if (const int found = frames_in(beside_); found != frames_)
+    throw Error(path_,
+                "only " + std::to_string(found) + " of " + std::to_string(frames_) +
+                    " frames could be written: the disk may be full",
+                "make room or choose another name; the same command continues, its frames are kept");
   std::error_code code;
   fs::rename(beside_, path_, code);
   if (code) throw Error(path_, "cannot be written (" + code.message() + ")", "choose a writable folder");

@@ -20,6 +20,7 @@ class VideoPipe {
 
   /// The next frame, a PNG file. Throws Error with the last line of what ffmpeg says.
   void add(const std::string& png_file);
+  /// Throws Error, and leaves a video of that name as it was, where not all frames can be read again.
   void finish();
 
  private:
@@ -29,6 +30,7 @@ class VideoPipe {
   std::string path_, beside_, log_;
   int input_ = -1;
   int process_ = -1;
+  int frames_ = 0;
 };
 
 }  // namespace maquette

@@ -103,6 +103,8 @@ const Program& Composer::program_of(const ComposeScene& scene, const ComposedLay
       compose_variant(stage, info.without_base_factor, bakes, panes, glossy, composed.shadow_light);
   const Program& program = scene.frame.programs.get(quads ? listed(variant) : variant);
   if (panes) scene.panes->bind(program);
+  // A frame that is averaged is not cut off at black: what rays take away in one would be missing from the mean.
+  if (glossy || composed.shadow_light) program.set("u_least", blend_ < 1.0f ? -1e30f : 0.0f);
   if (bakes == 2) program.set("u_later", scene.frame.bakes.indirect().blend());
   return program;
 }

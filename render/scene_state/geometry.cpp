@@ -194,6 +194,9 @@ class InstanceWriter {
   FlatGeometry& out_;
 };
 
+// What buffers of common drivers address (2^27 texels, of a vertex four), and parts of which each takes a kilobyte.
+constexpr std::size_t kMostVertices = std::size_t{1} << 25, kMostIndices = std::size_t{1} << 27, kMostItems = 1'000'000;
+
 /// The normal texture, or the coat's where the material has no other. Tangents are the same in all variants: the first
 /// material with such a texture counts. Source: glTF 2.0, 3.7.2.1: tangents of the texture coordinates associated with
 /// the normal texture; KHR_texture_transform transforms these.
@@ -281,9 +284,20 @@ bool is_closed(const FlatGeometry& geometry, const DrawItem& item) {
 }
 
 FlatGeometry flatten(const Scene& scene) {
+  const auto require = [&](std::size_t count, std::size_t most, const char* what) {
+    if (count > most)
+      throw Error(scene.name,
+                  "has more than " + std::to_string(most / 1'000'000) + " million " + what + " with all its instances",
+                  "hide some nodes, or make them lighter");
+  };
   std::vector<Primitive> patches;
-  for (const BezierPatch& patch : scene.patches) patches.push_back(tessellate_patch(patch, patch_sides(patch)));
+  std::size_t of_patches = 0;
+  for (const BezierPatch& patch : scene.patches) {
+    patches.push_back(tessellate_patch(patch, patch_sides(patch)));
+    require(of_patches += patches.back().positions.size(), kMostVertices, "vertices of patches");
+  }
   std::vector<Instance> instances = collect_instances(scene, patches);
+  require(instances.size(), kMostItems, "parts");
 
   std::size_t vertex_count = 0, index_count = 0;
   FlatGeometry out;
@@ -294,8 +308,8 @@ FlatGeometry flatten(const Scene& scene) {
     instance.item.index_count = static_cast<std::uint32_t>(instance.source->indices.size() / 3 * 3);
     vertex_count += instance.source->positions.size();
     index_count += instance.item.index_count;
-    if (std::max(vertex_count, index_count) > std::numeric_limits<std::uint32_t>::max())
-      throw Error(scene.name, "has more than 4 billion vertices or indices with all its instances", "hide some nodes");
+    require(vertex_count, kMostVertices, "vertices");
+    require(index_count, kMostIndices, "indices");
     out.items.push_back(instance.item);
   }
   out.positions.resize(vertex_count);

@@ -10,6 +10,7 @@
 #include "render/bake/bake_attributes.h"
 #include "render/bake/kept_bakes.h"
 #include "render/lights/light_numbers.h"
+#include "render/parts/baked_parts.h"
 #include "scenes/parallel.h"
 
 namespace maquette {
@@ -364,17 +365,14 @@ IncidentProvenance provenance_of(const IncidentJob& job) {
   p.geometry = chain_hash(g.colors, p.geometry);
   p.light = chain_hash(numbers_of_light(job), job.environment ? job.environment->hash : 0);
   if (job.environment && job.environment->hash == 0) p.light = chain_hash(job.environment->rgb, p.light);
-  std::vector<float> numbers;
-  for (const Material& m : job.scene->materials) {
-    const std::vector<float> own = numbers_of(m);
-    numbers.insert(numbers.end(), own.begin(), own.end());
-    for (const char c : m.measured) numbers.push_back(static_cast<float>(c));
+  // What each part shows: two parts that exchange their materials are other surfaces, although no material has changed.
+  const std::vector<std::uint64_t> looks = looks_of(*job.scene);
+  std::vector<std::uint64_t> shown;
+  for (const DrawItem& item : g.items) {
+    const int material = material_of_item(*job.scene, item, job.variant);
+    shown.push_back(material < 0 ? 0 : looks[static_cast<std::size_t>(material)]);
   }
-  p.materials = chain_hash(numbers, static_cast<std::uint64_t>(job.variant + 1));
-  for (const TextureImage& image : job.scene->images) {
-    p.materials = chain_hash(image.rgba, p.materials);
-    if (!image.rgba16.empty()) p.materials = chain_hash(image.rgba16, p.materials);
-  }
+  p.materials = chain_hash(shown, chain_hash(looks, static_cast<std::uint64_t>(job.variant + 1)));
   p.atlas_side = job.atlas.side;
   p.lumisphere_side = job.options.side;
   p.paths = job.options.paths;

@@ -10,6 +10,8 @@
 #include "render/bake/kept_bakes.h"
 #include "render/btf/btf_source.h"
 #include "render/lights/light_numbers.h"
+#include "render/parts/baked_parts.h"
+#include "render/scene_state/geometry.h"
 #include "render/slf/incident_bake.h"
 #include "scenes/node_paths.h"
 #include "scenes/suggest.h"
@@ -19,7 +21,7 @@ namespace maquette {
 namespace {
 
 constexpr const char *kSurfaces = "list.surfaces", *kParts = "list.parts", *kMaterials = "list.materials",
-                     *kLight = "list.light";
+                     *kShown = "list.shown", *kLight = "list.light";
 constexpr std::size_t kMostNames = 4;  // in a message
 
 std::uint64_t read_hash(const std::string& text) { return std::strtoull(text.c_str(), nullptr, 16); }
@@ -73,6 +75,16 @@ std::vector<std::uint64_t> looks_of(const Scene& scene) {
   return looks;
 }
 
+std::map<std::string, std::uint64_t> shown_in(const Scene& scene, const FlatGeometry& geometry, int variant) {
+  const std::vector<std::string> paths = node_paths(scene);
+  std::map<std::string, std::uint64_t> shown;
+  for (const DrawItem& item : geometry.items) {
+    std::uint64_t& hash = shown[path_of_item(paths, item)];
+    hash = chain_hash(std::vector<int>{material_of_item(scene, item, variant)}, hash);
+  }
+  return shown;
+}
+
 IncidentContents contents_of(const IncidentJob& job) {
   IncidentContents contents;
   const std::vector<std::string> paths = node_paths(*job.scene);
@@ -90,6 +102,7 @@ IncidentContents contents_of(const IncidentJob& job) {
     std::uint64_t& hash = contents.surfaces[path_of_item(paths, item)];
     hash = chain_hash(coordinates, chain_hash(colors, chain_hash(corners, hash)));
   }
+  contents.shown = shown_in(*job.scene, g, job.variant);
   std::set<std::string> parts;
   for (const AtlasPart& part : job.parts) parts.insert(path_of_item(paths, g.items[part.item]));
   contents.parts.assign(parts.begin(), parts.end());
@@ -104,6 +117,8 @@ void write_contents(const IncidentContents& contents, std::map<std::string, std:
   for (const auto& [path, hash] : contents.surfaces) surfaces += hex(hash) + " " + path + "\n";
   for (const std::string& path : contents.parts) parts += path + "\n";
   for (const std::uint64_t hash : contents.materials) materials += hex(hash) + "\n";
+  std::string& shown = (*attributes)[kShown];
+  for (const auto& [path, hash] : contents.shown) shown += hex(hash) + " " + path + "\n";
   std::string& light = (*attributes)[kLight];
   for (const auto& [what, value] : contents.light) light += what + "\t" + value + "\n";
 }
@@ -115,10 +130,11 @@ IncidentContents read_contents(const std::map<std::string, std::string>& attribu
     std::istringstream stream(found == attributes.end() ? std::string() : found->second);
     for (std::string line; std::getline(stream, line);) read(line);
   };
-  for_each_line(kSurfaces, [&](const std::string& line) {
-    const std::size_t space = line.find(' ');
-    if (space != std::string::npos) contents.surfaces[line.substr(space + 1)] = read_hash(line.substr(0, space));
-  });
+  for (const auto& [name, hashes] : {std::pair{kSurfaces, &contents.surfaces}, {kShown, &contents.shown}})
+    for_each_line(name, [&, hashes = hashes](const std::string& line) {
+      const std::size_t space = line.find(' ');
+      if (space != std::string::npos) (*hashes)[line.substr(space + 1)] = read_hash(line.substr(0, space));
+    });
   for_each_line(kParts, [&](const std::string& line) { contents.parts.push_back(line); });
   for_each_line(kMaterials, [&](const std::string& line) { contents.materials.push_back(read_hash(line)); });
   for_each_line(kLight, [&](const std::string& line) {

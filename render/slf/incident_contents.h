@@ -10,6 +10,7 @@
 
 namespace maquette {
 
+struct FlatGeometry;
 struct IncidentJob;
 
 /// What a bake of incident light was made of, piece by piece, so that what differs can be named.
@@ -17,10 +18,13 @@ struct IncidentContents {
   std::map<std::string, std::uint64_t> surfaces;  ///< by path of the node: hash of where its surfaces lie
   std::vector<std::string> parts;                 ///< paths of the nodes with texels
   std::vector<std::uint64_t> materials;           ///< [material] looks_of
+  std::map<std::string, std::uint64_t> shown;     ///< by path of the node: hash of which materials its surfaces show
   std::map<std::string, std::string> light;       ///< environment, rotation, scale, lamps
 };
 
 IncidentContents contents_of(const IncidentJob& job);
+/// IncidentContents::shown of a scene.
+std::map<std::string, std::uint64_t> shown_in(const Scene& scene, const FlatGeometry& geometry, int variant);
 /// [material] hash of all that it looks like, texels of its textures among it.
 std::vector<std::uint64_t> looks_of(const Scene& scene);
 

@@ -92,6 +92,17 @@ std::string names_of_changed(const Scene& scene, const std::vector<std::uint64_t
   return names;
 }
 
+/// Materials whose looks are others than in the bake, and parts that show other materials than there.
+std::string exchanged_since(const LightFieldJob& job, const IncidentContents& baked) {
+  std::string names = names_of_changed(*job.scene, baked.materials);
+  for (const auto& [path, shown] : shown_in(*job.scene, *job.incident.geometry, job.incident.variant)) {
+    const auto before = baked.shown.find(path);
+    if (before != baked.shown.end() && before->second != shown)
+      names += (names.empty() ? "" : ", ") + ("the material of " + path);
+  }
+  return names;
+}
+
 }  // namespace
 
 std::shared_ptr<const PathScene> build_material_scene(const LightFieldJob& job, MeasuredLibrary* library) {
@@ -263,7 +274,7 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   field->stale = incident->stale;
   field->incident = incident;
   field->made_from = job;
-  field->exchanged = names_of_changed(*job.scene, incident->contents.materials);
+  field->exchanged = exchanged_since(job, incident->contents);
   field->warnings = std::move(warnings);
   for (const std::string& line : warn_of_second_uvs(job.incident, incident->atlas)) field->warnings.push_back(line);
   if (job.interactions) {

@@ -55,6 +55,9 @@ layout(binding = kUnitGlossy) uniform sampler2D t_glossy;
 #if SHADOWS
 layout(binding = kUnitShadowLight) uniform sampler2D t_shadow_light;
 #endif
+#if (SHADOWS || GLOSSY) && !defined(REFLECTED)
+uniform float u_least;  // below 0: a share of a mean, which rays may make negative by itself
+#endif
 vec3 complete(ivec2 p, vec4 stored) {
   vec3 shaded = stored.rgb;
   uvec4 g = texelFetch(t_surface, p, 0);
@@ -65,7 +68,7 @@ vec3 complete(ivec2 p, vec4 stored) {
 #if SHADOWS
   shaded += texelFetch(t_shadow_light, p, 0).rgb;
 #ifndef REFLECTED
-  shaded = max(shaded, 0.0);  // there the mean over the frames is
+  shaded = max(shaded, u_least);  // there the mean over the frames is
 #endif
 #endif
 #if INDIRECT || GLOSSY
@@ -77,7 +80,7 @@ vec3 complete(ivec2 p, vec4 stored) {
 #endif
 #endif
 #if GLOSSY && !defined(REFLECTED)
-  indirect = max(indirect + texelFetch(t_glossy, p, 0).rgb, 0.0);
+  indirect = max(indirect + texelFetch(t_glossy, p, 0).rgb, u_least);
 #endif
   shaded += indirect;
 #endif

@@ -61,7 +61,7 @@ std::vector<PictureView> picture_views(const Options& options) {
        {std::pair("grace", "grace_latlong.exr"), std::pair("workshop", "autoshop_01_1k.hdr")}) {
     Case car{.scene = options.data + "/scenes/ferrari458.glb"};
     car.environment = options.data + "/environments/" + file;
-    const auto add = [&](const char* name, double flip, std::function<CameraView(const Scene&)> camera,
+    const auto add = [&, light = light](const char* name, double flip, std::function<CameraView(const Scene&)> camera,
                          const char* pane = "") {
       car.name = std::string("ferrari/") + name + "/" + light;
       views.push_back({car, flip, std::move(camera), pane});

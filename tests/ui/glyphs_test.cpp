@@ -17,7 +17,7 @@ TEST(Glyphs, AreThoseThatOccurInNames) {
   Scene scene = test::small_scene();
   scene.nodes[0].name = "Приборная панель";
   scene.materials[0].name = "\u6f06\u5857\u308a\ud55c\uad6d";  // lacquer in Japanese, and Korea
-  HeadlessEditor editor(1280.0f, 720.0f);
+  test::HeadlessEditor editor(1280.0f, 720.0f);
   editor.facts.scene = &scene;
   Look look;
   look.name = "\u53d6\x1b\xff";
@@ -29,7 +29,7 @@ TEST(Glyphs, AreThoseThatOccurInNames) {
 }
 
 TEST(Glyphs, AreMadeOrSaidToBeMissing) {
-  HeadlessEditor editor(640.0f, 480.0f);
+  test::HeadlessEditor editor(640.0f, 480.0f);
   const std::set<char16_t> wanted{u'\u6f06', u'\ud55c', u'\u308a', u'\u0e01'};
   const std::set<char16_t> missing = apply_theme(1.0f, 1.0f, wanted);
   for (const char16_t c : wanted) EXPECT_EQ(has_glyph(c), !missing.contains(c)) << static_cast<int>(c);

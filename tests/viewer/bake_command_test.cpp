@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "render/technique/settings.h"
 #include "scenes/bake_file.h"
 #include "test_paths.h"
 #include "tests/support/test_scenes.h"

@@ -10,6 +10,7 @@
 #include "scenes/files.h"
 #include "scenes/scene.h"
 #include "tests/viewer/run_program.h"
+#include "viewer/session.h"
 #include "viewer/window_memory.h"
 
 namespace maquette {

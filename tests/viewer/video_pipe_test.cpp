@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <glm/glm.hpp>
 
 #include "scenes/image_io.h"
 #include "tests/support/text.h"

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "scenes/error.h"
+#include "tests/support/test_scenes.h"
+
 namespace maquette {
 namespace {
 
@@ -185,6 +188,19 @@ TEST(Flatten, ListsInstancesAndPatchesAndSkipsTheHidden) {
   EXPECT_EQ(flat.items[2].index_count, 6u * 16u * 16u);
   for (std::size_t i = flat.items[2].first_index; i < flat.indices.size(); ++i) EXPECT_GE(flat.indices[i], 8u);
   EXPECT_TRUE(flatten(Scene{}).positions.empty());
+}
+
+/// Refused before memory for it is asked for.
+TEST(Flatten, InstancesOfTooMuchAreRefused) {
+  Scene scene;
+  scene.materials = {test::matte(glm::vec3(0.5f))};
+  test::add(&scene, test::make_grid({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 200, 0), "plate");
+  Node again = scene.nodes.front();
+  for (int i = 0; i < 1000; ++i) {
+    scene.roots.push_back(static_cast<int>(scene.nodes.size()));
+    scene.nodes.push_back(again);
+  }
+  EXPECT_THROW(flatten(scene), Error);
 }
 
 }  // namespace

@@ -74,7 +74,8 @@ TEST(TextureBudget, HalvedImagesHaveTheMeanOfTheirLight) {
 
 using TextureBudgetOfFile = test::GltfFixture;
 
-/// A white image of one bit a texel, of which only the first `height` rows are there: a few kilobytes whatever its size.
+/// A white image of one bit a texel, of which only the first `height` rows are there: a few kilobytes whatever its
+/// size.
 std::string white_png(std::uint32_t side, std::uint32_t height) {
   std::string header;
   for (int k = 0; k < 2; ++k) test::put_big_endian(side, &header);
@@ -107,6 +108,14 @@ TEST_F(TextureBudgetOfFile, ASmallFileOfLargeImagesIsMadeSmaller) {
   EXPECT_EQ(scene.images[0].rgba[12345], 255);
   EXPECT_EQ(scene.images[1].width, 0);
   EXPECT_FALSE(scene.materials[1].base_color_texture) << "left out";
+}
+
+TEST_F(TextureBudgetOfFile, ElementsThatAreReadAgainAndAgainAreRefused) {
+  add_quad();
+  primitive()["indices"] =
+      add_accessor<std::uint8_t>(std::vector<std::uint8_t>(3'000'000, std::uint8_t{1}), 5121, "SCALAR", 1);
+  for (int i = 0; i < 8; ++i) root_["meshes"].push_back(root_["meshes"][0]);
+  expect_error("elements of accessors again");
 }
 
 TEST_F(TextureBudgetOfFile, MoreNodesMaterialsOrObjectsThanPossibleAreRefused) {

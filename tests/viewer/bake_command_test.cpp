@@ -145,6 +145,45 @@ TEST(BakeCommand, ATextureThatWasPaintedOverIsExchanged) {
   EXPECT_NE(painted.error.find("exchanged since the bake: carpet"), std::string::npos) << painted.out << painted.error;
 }
 
+TEST(BakeCommand, PartsThatExchangeTheirMaterialsAreNamed) {
+  const TemporaryFolder folder;
+  const std::string at = folder.file("baked"), scene = folder.file("floor.glb");
+  const auto save = [&](int left) {
+    Scene floor;
+    floor.materials = {test::matte(glm::vec3(0.8f)), test::matte(glm::vec3(0.1f))};
+    test::add(&floor, test::make_grid({-1, 0, 1}, {1, 0, 0}, {0, 0, -2}, 2, left), "left");
+    test::add(&floor, test::make_grid({0, 0, 1}, {1, 0, 0}, {0, 0, -2}, 2, 1 - left), "right");
+    save_glb(scene, floor);
+  };
+  const Words few = {"--env", "builtin:studio",   "--set", "slf.texels=16",
+                     "--set", "slf.directions=4", "--set", "slf.paths=1"};
+  const auto draw = [&](const Words& more) {
+    Words words = {"render",          scene, "--mode", "slf", "--size", "16x12", "-o", folder.file("a.exr"), "--set",
+                   "ground.kind=none"};
+    words.insert(words.end(), few.begin(), few.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return run_maquette(words, {{"MAQUETTE_CACHE", folder.file("cache")}});
+  };
+  save(0);
+  Words bake = {"bake", "slf", scene, "-o", at};
+  bake.insert(bake.end(), few.begin(), few.end());
+  ASSERT_EQ(run_maquette(bake).exit_code, 0);
+  const auto fields = [&] {
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.file("cache")))
+      count += entry.path().filename().string().starts_with("slf-") ? 1 : 0;
+    return count;
+  };
+  ASSERT_EQ(draw({}).exit_code, 0);
+  EXPECT_EQ(fields(), 1);
+  save(1);
+  const ProgramResult exchanged = draw({"--set", "slf.bake=" + at});
+  EXPECT_NE(exchanged.error.find("the material of /left, the material of /right"), std::string::npos)
+      << exchanged.error;
+  ASSERT_EQ(draw({}).exit_code, 0);
+  EXPECT_EQ(fields(), 2) << "another key in the cache";
+}
+
 TEST(BakeCommand, WhatNoBakeReadsIsSaid) {
   const TemporaryFolder folder;
   const ProgramResult result = run_maquette({"bake", "octree", "builtin:sphere", "--set", "octree.depth=4",

@@ -77,6 +77,10 @@ class Play : public testing::Test {
   std::string file_;
 };
 
+/// Stands for ffmpeg: the video is what it is sent, and lists five frames.
+const std::string kTakesAll =
+    "#!/bin/sh\nfor last; do :; done\nif [ \"$last\" = - ]; then seq 5; else cat > \"$last\"; fi\n";
+
 TEST_F(Play, FramesAreTheSameResumedAndRendered) {
   const ProgramResult whole = play("whole", {"--format", "exr"});
   ASSERT_EQ(whole.exit_code, 0) << whole.error;
@@ -126,6 +130,39 @@ TEST_F(Play, APathWhoseFirstKeyNamesALookIsTheSameFromAnyState) {
               bright = load_hdr_image(folder_.file("bright/frame-00000.exr"));
   for (const std::size_t i : {std::size_t{0}, plain.data.size() / 8 * 4})
     EXPECT_NEAR(bright.data[i], 2.0f * plain.data[i], 1e-3f * plain.data[i]);
+}
+
+TEST_F(Play, FramesThatCannotBeReadAreDrawnAgain) {
+  ASSERT_EQ(play("frames").exit_code, 0);
+  const std::string empty = folder_.file("frames/frame-00001.png"), cut = folder_.file("frames/frame-00003.png");
+  const std::string whole = read_text(cut);
+  fs::resize_file(empty, 0);
+  fs::resize_file(cut, whole.size() / 2);
+  const ProgramResult again = play("frames");
+  EXPECT_TRUE(contains(again.out, "2 of them drawn now")) << again.out << again.error;
+  EXPECT_EQ(read_text(cut), whole);
+  EXPECT_GT(fs::file_size(empty), 0u);
+}
+
+TEST_F(Play, WhatALookSaysOfPartsThatAreGoneIsNamed) {
+  review_.look.edits.hidden_nodes = {"/gone"};
+  review_.look.edits.turns = {{"/turned", {0.0f, 1.0f, 0.0f}, 5.0f}};
+  review_.look.edits.part_modes = {{"/shaded", "splitsum"}};
+  review_.look.edits.animation = {"wave", 0.5};
+  save_review(file_, review_);
+  const ProgramResult result = run({"render", file_, "-o", folder_.file("a.exr")});
+  for (const char* name : {"/gone", "/turned", "/shaded", "no animation \"wave\""})
+    EXPECT_TRUE(contains(result.error, name)) << name << ": " << result.error;
+}
+
+TEST_F(Play, SourcesOfTheNetAreRefusedByName) {
+  std::string text = read_text(file_);
+  const std::string scene = "\"builtin:plate\"";
+  text.replace(text.find(scene), scene.size(), "\"http://car/a.glb\"");
+  std::ofstream(file_) << text;
+  const ProgramResult result = run({"render", file_, "-o", folder_.file("a.exr")});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_TRUE(contains(result.error, "\"http://car/a.glb\" is not read")) << result.error;
 }
 
 TEST_F(Play, AFolderOfAnotherPathIsRefused) {
@@ -249,7 +286,7 @@ TEST_F(Play, AVideoThatFailsKeepsItsFrames) {
   EXPECT_FALSE(fs::exists(folder_.file("a.mp4")));
   ASSERT_TRUE(fs::exists(folder_.file("a.mp4.frames/frame-00000.png")));
   // A program that takes what comes: the frames of before are sent, and none is drawn twice.
-  const std::string counting = replaced_path("#!/bin/sh\nfor last; do :; done\ncat > \"$last\"\n");
+  const std::string counting = replaced_path(kTakesAll);
   const std::size_t kept = static_cast<std::size_t>(
       std::distance(fs::directory_iterator(folder_.file("a.mp4.frames")), fs::directory_iterator{}) - 1);
   std::string first = read_text(folder_.file("a.mp4.frames/frame-00000.png"));
@@ -261,7 +298,7 @@ TEST_F(Play, AVideoThatFailsKeepsItsFrames) {
 }
 
 TEST_F(Play, OneVideoIsMadeByOneAtATime) {
-  const std::string counting = replaced_path("#!/bin/sh\nfor last; do :; done\ncat > \"$last\"\n");
+  const std::string counting = replaced_path(kTakesAll);
   const std::string lock = folder_.file(".a.mp4.lock");
   const int file = open(lock.c_str(), O_RDWR | O_CREAT, 0644);
   ASSERT_EQ(flock(file, LOCK_EX), 0);
@@ -276,7 +313,7 @@ TEST_F(Play, OneVideoIsMadeByOneAtATime) {
 
 /// A link stays one, and what it names is the video.
 TEST_F(Play, AVideoIsWrittenThroughALink) {
-  const std::string counting = replaced_path("#!/bin/sh\nfor last; do :; done\ncat > \"$last\"\n");
+  const std::string counting = replaced_path(kTakesAll);
   fs::create_directories(folder_.file("videos"));
   fs::create_symlink("videos/of today.mp4", folder_.file("a.mp4"));
   EXPECT_EQ(play("a.mp4", {}, {{"PATH", counting}}).exit_code, 0);

@@ -2,10 +2,14 @@
 #include "viewer/video_pipe.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <glm/glm.hpp>
 
+#include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "tests/support/text.h"
 #include "tests/viewer/run_program.h"
@@ -54,6 +58,34 @@ TEST(VideoPipe, BlackIsBlackAndWhiteIsWhiteInBt709) {
       EXPECT_NEAR(static_cast<unsigned char>(bytes[k * kFrame + kFrame / 2 + static_cast<std::size_t>(c)]),
                   255.0f * colors[k].first[c], k < 2 ? 0.0f : 3.0f)
           << colors[k].second;
+}
+
+/// ffmpeg ends with success where what it writes is cut off. A limit on the size of files stands for a disk that is
+/// full.
+TEST(VideoPipe, AVideoThatIsCutOffTakesNoNamesPlace) {
+  if (std::system("ffprobe -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  const TemporaryFolder folder;
+  const std::string video = folder.file("a.mp4"), frame = folder.file("frame.png");
+  std::ofstream(video) << "an older video";
+  Image image(64, 36, 3);
+  save_png(frame, image);
+  rlimit usual{};
+  getrlimit(RLIMIT_FSIZE, &usual);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  {
+    const rlimit small{1024, usual.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+    VideoPipe pipe(video, 2.0);
+    EXPECT_THROW(
+        {
+          for (int i = 0; i < 20; ++i) pipe.add(frame);
+          pipe.finish();
+        },
+        Error);
+  }
+  setrlimit(RLIMIT_FSIZE, &usual);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(read_text(video), "an older video");
 }
 
 }  // namespace

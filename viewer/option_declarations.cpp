@@ -250,7 +250,7 @@ std::vector<OptionDeclaration> quality_options() {
           [](O* o, const std::string& t) { o->frames = static_cast<int>(parse_count(t, "--frames", 1, 1000000)); })),
       render_only(
           "--target-error", "X",
-          "averages frames until the relative RMSE is X: against --reference, else as estimated from the frames",
+          "averages frames until the relative RMSE is X: against --reference, else as far as it is noise of the frames",
           [](O* o, const std::string& t) { o->target_error = parse_in(t, "--target-error", 1e-6, 10.0); }),
       render_only("--time", "S",
                   "averages frames for S seconds, shaders and bakes not counted (with --target-error: at most)",

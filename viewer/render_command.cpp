@@ -101,7 +101,7 @@ class AccumulationProgress {
     std::snprintf(part, sizeof part, options_.time_s ? ": %.0f of %.3g s" : ": %.0f s", seconds, limit_s);
     text += part;
     if (error) {
-      std::snprintf(part, sizeof part, ", error about %.2g %%", 100.0 * *error);
+      std::snprintf(part, sizeof part, ", noise about %.2g %%", 100.0 * *error);
       text += part;
       if (options_.target_error) text += " of " + percent_text(*options_.target_error);
     }
@@ -237,6 +237,17 @@ void warn_of_light_left_out(const FramePlan& plan) {
       print_line(stderr, "warning: lamps and what glows light nothing: %s\n", left_out.why.c_str());
 }
 
+/// The error that is estimated from frames is their noise: what all of them miss alike is not in it.
+void warn_of_blurred_shadows(const FramePlan& plan) {
+  const bool blurred = std::ranges::any_of(plan.layers, [](const ShadingPlan& shading) {
+    return shading.visibility == "baked" && !shading.shadow_rays;
+  });
+  if (blurred)
+    print_line(stderr,
+               "warning: with shading.visibility=baked shadows stay blurred, which no noise that is said counts; rays "
+               "correct them (auto)\n");
+}
+
 std::map<std::string, std::string> provenance(const SceneOptions& options, const FrameRequest& request) {
   std::map<std::string, std::string> attributes = {
       {"maquette.scene", options.scene},
@@ -315,6 +326,7 @@ int run_render(const CommandLine& line) {
   else
     render_frames(&renderer, request, options, &report);
   warn_of_light_left_out(report.frames.back().plan);
+  if (accumulates) warn_of_blurred_shadows(report.frames.back().plan);
   warn_of_frame_bakes(report.frames.back().status);
   const Image radiance = renderer.read_radiance();
   if (reference) report.error = measure_error(radiance, *reference).figures;

@@ -233,6 +233,17 @@ TEST(Render, TimeAveragesFramesAndTellsTheErrorLeft) {
   }
 }
 
+TEST(Render, WhatNoNoiseCountsIsSaid) {
+  const TemporaryFolder folder;
+  const auto said = [&](const Words& more) {
+    Words words = render_words(folder.file("a.exr"), {"--target-error", "0.05"});
+    words.insert(words.end(), more.begin(), more.end());
+    return run_maquette(words).error;
+  };
+  EXPECT_NE(said({"--set", "shading.visibility=baked"}).find("shadows stay blurred"), std::string::npos);
+  EXPECT_EQ(said({}).find("blurred"), std::string::npos);
+}
+
 TEST(Render, InterruptedItLeavesThePictureSoFar) {
   const TemporaryFolder folder;
   for (const std::string mode : {"reference", "uniform"}) {

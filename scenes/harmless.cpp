@@ -7,11 +7,12 @@ namespace maquette {
 
 namespace {
 
-/// Source: Unicode 15, Sec. 23.1 and 23.2: control codes, line and paragraph separators, bidirectional controls; the
-/// byte order mark.
+/// Source: Unicode 15, Sec. 23.1, 23.2 and 23.9: control codes, line and paragraph separators, bidirectional controls;
+/// the byte order mark; tags, which nobody sees.
 bool steers(std::uint32_t c) {
   return c < 32u || (c >= 0x7fu && c < 0xa0u) || c == 0x61cu || c == 0x200eu || c == 0x200fu ||
-         (c >= 0x2028u && c <= 0x202eu) || (c >= 0x2066u && c <= 0x2069u) || c == 0xfeffu;
+         (c >= 0x2028u && c <= 0x202eu) || (c >= 0x2066u && c <= 0x2069u) || c == 0xfeffu ||
+         (c >= 0xe0000u && c < 0xe0080u);
 }
 
 /// What stands for bytes that are no UTF-8, and how it begins.
@@ -69,6 +70,8 @@ std::string harmless_json(const std::string& document) {
     const Utf8Character c = utf8_character(document, at);
     if (c.bytes == 0)
       out += "\\ufffd";
+    else if (c.code > 0xffffu && steers(c.code))  // two halves. Source: RFC 8259, Sec. 7
+      out += code_escape(0xd7c0u + (c.code >> 10u)) + code_escape(0xdc00u + (c.code & 0x3ffu));
     else if (c.code >= 0x7fu && steers(c.code))
       out += code_escape(c.code);
     else

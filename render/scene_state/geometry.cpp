@@ -294,7 +294,7 @@ FlatGeometry flatten(const Scene& scene) {
   std::size_t of_patches = 0;
   for (const BezierPatch& patch : scene.patches) {
     patches.push_back(tessellate_patch(patch, patch_sides(patch)));
-    require(of_patches += patches.back().positions.size(), kMostVertices, "vertices of patches");
+    require(of_patches += patches.back().positions.size(), kMostVertices / 4, "vertices of patches");
   }
   std::vector<Instance> instances = collect_instances(scene, patches);
   require(instances.size(), kMostItems, "parts");

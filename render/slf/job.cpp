@@ -25,7 +25,9 @@ std::vector<AtlasPart> find_light_field_parts(const LightFieldInput& input, cons
     const int index = material_of_item(scene, item, input.variant);
     const Material material = index >= 0 ? input.shown->materials[static_cast<std::size_t>(index)] : Material();
     if (pane_share(material) > 0.0f || material.alpha_mode == AlphaMode::blend) {
-      const std::string line = "no texels for surfaces of " + material.name + ": they are glass or blended";
+      const bool blended = material.alpha_mode == AlphaMode::blend && !(pane_share(material) > 0.0f);
+      const std::string line = "no texels for surfaces of " + material.name +
+                               (blended ? ": they are blended, and their own light is missing" : ": they are glass");
       if (left_out && std::ranges::find(*left_out, line) == left_out->end()) left_out->push_back(line);
       continue;
     }

@@ -91,6 +91,14 @@ TEST(Harmless, AnyNameComesBackFromUtf8) {
   EXPECT_EQ(as_utf8("caf\xc3\xa9"), "caf\xc3\xa9");
 }
 
+TEST(Harmless, TagsThatNobodySeesAreWritten) {
+  const std::string tag = "a\xf3\xa0\x81\x81z";  // U+E0041
+  EXPECT_EQ(harmless(tag), "a\\ue0041z");
+  const std::string json = harmless_json("\"" + tag + "\"");
+  EXPECT_EQ(json, "\"a\\udb40\\udc41z\"");
+  EXPECT_EQ(nlohmann::json::parse(json).get<std::string>(), tag);
+}
+
 TEST(Harmless, AMessageDoesNotEndAtACharacterZero) {
   const std::string name("red\0blue", 8);
   const Error error("a.glb", "material " + name + " is not there", "name another");

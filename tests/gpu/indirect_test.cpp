@@ -100,7 +100,7 @@ TEST_P(Indirect, ItsShadowsRenewWhatWasShadedBefore) {
   ASSERT_TRUE(test::comes_true([&] {
     stats = waits.render(request, true);
     // A first result comes before the whole one, and each begins the picture anew.
-    return stats.plan.shading().indirect == "baked" && stats.status.indirect.state != BakeState::running;
+    return stats.plan.shading().indirect == "baked" && stats.status.indirect.state == BakeState::ready;
   }));
   for (int frame = 0; frame < kMore; ++frame) stats = waits.render(request, true);
   EXPECT_TRUE(ready.finish_background_work(request));

@@ -193,7 +193,12 @@ void add_turns(Sequences* s) {
   turning("splitsum", "builtin:cockpit", Step(kDriver, "splitsum").reflect("triangle"));
   turning("reference", "builtin:plate", Step(kOntoPlate, "reference"), {"--samples", "1"});
   turning("prt", "builtin:open-seat",
-          Step(kOntoSeat, "prt").set("prt.rays", "2").set("prt.faces", "4").set("ground.kind", "none"));
+          Step(kOntoSeat, "prt")
+              .set("prt.rays", "1")
+              .set("prt.faces", "4")
+              .set("prt.clusters", "4")
+              .set("prt.components", "1")
+              .set("ground.kind", "none"));
 }
 
 /// Frames that are averaged to one picture.

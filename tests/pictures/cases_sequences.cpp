@@ -103,7 +103,7 @@ class Sequences {
 
   /// A scene that no file holds, and its path.
   std::string stored(const std::string& name, const std::shared_ptr<const Scene>& scene) const {
-    const std::string path = (places_.inputs / (name + ".glb")).string();
+    std::string path = (places_.inputs / (name + ".glb")).string();
     save_glb(path, *scene);
     return path;
   }

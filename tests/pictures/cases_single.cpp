@@ -138,7 +138,7 @@ void add_reflections(std::vector<PictureCase>* cases) {
 /// Before a mirror and a pane in an open room.
 void add_rooms(const Places& places, std::vector<PictureCase>* cases) {
   const auto stored = [&](const char* name, const std::shared_ptr<const Scene>& scene) {
-    const std::string path = (places.inputs / (std::string(name) + ".glb")).string();
+    std::string path = (places.inputs / (std::string(name) + ".glb")).string();
     save_glb(path, *scene);
     return path;
   };

@@ -333,7 +333,8 @@ std::string within_double(std::string_view text) {
   return out;
 }
 
-/// Of what takes most memory for its text, or is stored in 16 bits in shading (materials).
+/// Limits the elements that take most memory for their text (nodes), and those that shading numbers in 16 bits
+/// (materials).
 void check_counts(const std::string& path, const Json& root) {
   constexpr std::pair<const char*, std::size_t> kMost[] = {{"nodes", 1'000'000}, {"materials", 65'535}};
   if (!root.is_object()) return;

@@ -147,10 +147,6 @@ void read_image(const Json& json, const ImageUse& use, bool colour, EncodedImage
   encoded->owned = {};
 }
 
-std::size_t texels_of(const glm::ivec2& size) {
-  return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
-}
-
 /// Calls read(i) for each `i` of `wanted`, on all cores, as many at a time as the memory for decoding is for.
 void read_in_batches(const std::vector<std::size_t>& wanted, const std::vector<EncodedImage>& images,
                      const std::function<void(std::size_t)>& read) {
@@ -164,7 +160,7 @@ void read_in_batches(const std::vector<std::size_t>& wanted, const std::vector<E
   }
 }
 
-/// Of the images that are read, how often each is halved; says so.
+/// Decides how often each of the images that are read is halved, and warns where one is.
 void keep_to_budget(const std::vector<std::size_t>& wanted, std::vector<EncodedImage>* images, Warnings* warnings) {
   std::vector<glm::ivec2> sizes;
   std::size_t bytes = 0, texels = 0;

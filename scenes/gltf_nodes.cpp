@@ -54,7 +54,7 @@ void check_transforms(const Document& document, const Scene& scene) {
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 /// Limit of the instances of a file, so that a small file of zeros cannot ask for any number of nodes.
 constexpr std::size_t kMaxInstances = 500'000;
-/// Of its node's name an instance keeps so much: names may be as long as their file.
+/// An instance keeps so many bytes of its node's name: names may be as long as their file.
 constexpr std::size_t kMaxInstanceName = 200;
 
 /// One of the instances' attributes, or empty.

@@ -11,16 +11,12 @@ namespace maquette {
 
 namespace {
 
-/// Of any file: two images of 4096 x 4096 texels.
+/// Any file may have so many texels, two images of 4096 x 4096.
 constexpr std::size_t kUsualTexels = std::size_t{1} << 25;
 /// A byte of a PNG or JPEG image of a material holds one to ten texels.
 constexpr std::size_t kTexelsOfByte = 16;
 /// With mip chains 2^27: what a buffer texture of common drivers addresses.
 constexpr std::size_t kMostTexels = std::size_t{3} << 25;
-
-std::size_t texels_of(const glm::ivec2& size) {
-  return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
-}
 
 }  // namespace
 

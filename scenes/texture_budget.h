@@ -8,6 +8,10 @@
 
 namespace maquette {
 
+inline std::size_t texels_of(const glm::ivec2& size) {
+  return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
+}
+
 /// Texels that the images of a scene may have together: some for any file, more by the bytes that its images take, so
 /// that a small file of empty images does not fill the memory; never more than a buffer of texels holds with mip
 /// chains.

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "scenes/texels.h"
 #include "scenes/luminance.h"
+#include "scenes/texels.h"
 
 namespace maquette {
 

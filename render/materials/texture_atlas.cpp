@@ -51,7 +51,7 @@ std::size_t chain_texels(int width, int height) {
   }
 }
 
-/// Of all textures of the scene: an image that is read both as colour and as data counts twice.
+/// Texels that the atlas of a scene will have. An image that is read both as colour and as data counts twice.
 std::size_t count_texels(const Scene& scene) {
   std::set<std::pair<int, bool>> stored;
   std::size_t texels = 0;

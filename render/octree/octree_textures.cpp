@@ -5,9 +5,9 @@
 #include <map>
 #include <span>
 
+#include "scenes/files.h"
 #include "scenes/mip_chain.h"
 #include "scenes/texels.h"
-#include "scenes/files.h"
 
 namespace maquette {
 
